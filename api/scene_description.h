@@ -1,0 +1,87 @@
+// The scene as animation.json describes it: what moves, what emits, who looks.
+// JSON: api/schemas/job.schema.json#/$defs/scene. The geometry itself is in the OBJ file.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/ids.h"
+
+namespace api {
+
+using Vec3 = std::array<double, 3>;
+
+enum class KeyInterpolation { linear, cubic, step };
+
+/// A value over time. Frames strictly increase; before the first and after the last key the value is held.
+/// No keys: not given. One key: constant. `cubic` is a Catmull-Rom spline through the keys, `step` holds
+/// each value until the next key.
+template <class T>
+struct Track {
+  struct Key {
+    FrameIndex frame = 0;
+    T value{};
+  };
+  KeyInterpolation interpolation = KeyInterpolation::linear;
+  std::vector<Key> keys;
+
+  bool given() const { return !keys.empty(); }
+};
+
+/// How the numbers of a rotation are to be read.
+enum class RotationForm {
+  euler_degrees,       ///< {x, y, z, unused} [degrees], applied in the order named by `euler_order`
+  axis_angle_degrees,  ///< {axis x, y, z, angle [degrees]}
+  quaternion,          ///< {x, y, z, w}; normalised when read; keys are joined by slerp
+};
+
+struct RotationTrack {
+  RotationForm form = RotationForm::euler_degrees;
+  std::string euler_order = "xyz";  ///< "xyz": about x first, then y, then z (R = Rz Ry Rx)
+  Track<std::array<double, 4>> track;
+};
+
+/// The motion of one OBJ object or group. pose = T * R * S about `pivot`, or one matrix per frame.
+struct ObjectAnimation {
+  Vec3 pivot{0, 0, 0};    ///< [OBJ units]
+  Track<Vec3> translate;  ///< [OBJ units]
+  RotationTrack rotate;
+  Track<Vec3> scale;    ///< factors, each > 0
+  Track<bool> visible;  ///< always read as step
+  /// Rows of a 3 x 4 matrix, [R | t] with t in OBJ units; one per frame, instead of the tracks. Empty: none.
+  std::vector<std::array<double, 12>> matrices;
+};
+
+/// Which sides of a surface take part. `both`: front and back are patches of their own.
+/// `front`: the back absorbs everything.
+enum class Sides { both, front };
+
+/// Overrides of an MTL material; what is not given is as the MTL says (Kd, pi Ke, both sides).
+struct MaterialSettings {
+  std::optional<Vec3> reflectance;  ///< linear RGB, 0 <= rho < 1
+  Track<Vec3> exitance_w_m2;        ///< linear RGB, >= 0  [W/m^2]
+  std::optional<Sides> sides;
+};
+
+struct Camera {
+  Track<Vec3> position;                ///< [OBJ units]
+  Track<Vec3> target;                  ///< [OBJ units]
+  Track<double> vertical_fov_degrees;  ///< 1 .. 170
+};
+
+enum class UpAxis { y, z };
+
+struct SceneDescription {
+  double metres_per_unit = 1.0;  ///< 1e-6 .. 1e6
+  UpAxis up = UpAxis::y;
+  bool allow_dark = false;  ///< a scene without any light is an error unless this is set
+  std::map<std::string, ObjectAnimation> objects;     ///< by OBJ object or group name
+  std::map<std::string, MaterialSettings> materials;  ///< by MTL material name
+  std::map<std::string, Camera> cameras;
+};
+
+}  // namespace api

@@ -1,0 +1,30 @@
+// Camera -> pixels of every frame: smooth shading from patch radiosity, hidden surfaces by rays, files.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "api/image_options.h"
+#include "api/result.h"
+#include "engine/animation/animation.h"
+#include "engine/base/progress.h"
+#include "engine/lighting/radiosity.h"
+#include "engine/patches/patches.h"
+#include "engine/visibility/ray_scene.h"
+
+namespace engine {
+
+/// Renders every frame for one camera and writes `folder`/0000.png (and .exr) ..., each by a temporary name
+/// in `folder`, fsync and rename, so that a file with its final name is always whole. `folder` exists.
+/// Identical inputs give identical bytes; no time stamps. Returns the files written, relative to `folder`,
+/// in frame order.
+/// Pixels are radiance B / pi [W sr^-1 m^-2]; what no surface covers is black.
+/// Errors: stopped; out_of_resources when the disk is full; internal with the path for other I/O errors.
+api::Result<std::vector<std::string>> render_images(const Scene& scene, const Patches& patches,
+                                                    const Animation& animation, const StaticRays& static_rays,
+                                                    const PatchSeries& radiosity_w_m2,
+                                                    const api::ImageOptions& options,
+                                                    const std::filesystem::path& folder,
+                                                    const Progress& progress);
+
+}  // namespace engine

@@ -1,0 +1,27 @@
+// Radiosity and irradiance of many patches in many frames.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/base/rgb.h"
+#include "engine/patches/patches.h"
+
+namespace engine {
+
+/// One Rgb per patch and frame (or key-frame, or slot), the frames of a patch side by side.  [W/m^2]
+struct PatchSeries {
+  std::uint32_t patch_count = 0;
+  std::uint32_t frame_count = 0;
+  std::vector<Rgb> values;  ///< [patch][frame]
+
+  PatchSeries() = default;
+  PatchSeries(std::uint32_t patches, std::uint32_t frames)
+      : patch_count(patches), frame_count(frames), values(std::size_t{patches} * frames) {}
+  Rgb* row(PatchId patch) { return values.data() + std::size_t{patch} * frame_count; }
+  const Rgb* row(PatchId patch) const { return values.data() + std::size_t{patch} * frame_count; }
+  Rgb& at(PatchId patch, std::uint32_t frame) { return row(patch)[frame]; }
+  const Rgb& at(PatchId patch, std::uint32_t frame) const { return row(patch)[frame]; }
+};
+
+}  // namespace engine
