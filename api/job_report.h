@@ -1,0 +1,66 @@
+// What the worker leaves for the server and for people: report.json and artefacts/key_frames.json.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "api/ids.h"
+#include "api/lighting_options.h"
+#include "api/progress_line.h"
+#include "api/result.h"
+
+namespace api {
+
+enum class FrameKind {
+  key,    ///< solved because the estimate chose it
+  check,  ///< solved to check an interval; used as a key-frame from then on
+  interpolated,
+};
+
+struct FrameRecord {
+  FrameIndex frame = 0;
+  FrameKind kind = FrameKind::interpolated;
+  /// Relative interpolation error predicted for this frame by the estimate; 0 for solved frames. Not known:
+  /// none (Table 1 predicts no error).
+  std::optional<double> error;
+};
+
+/// Two neighbouring key-frames and how well the frames between them are interpolated. Errors are
+/// max over patches of max_c |B^ - B| / max(max_c B, half the mean B).
+struct KeyFrameInterval {
+  FrameIndex first = 0;
+  FrameIndex last = 0;
+  std::optional<double> predicted_error;  ///< on the coarse estimate, largest over the frames between
+  std::optional<double> observed_error;   ///< at the check frame, of having left it out
+};
+
+/// artefacts/key_frames.json. No times in it: the same job gives the same bytes.
+struct KeyFrameReport {
+  LightingMode mode = LightingMode::standard;
+  std::vector<FrameRecord> frames;          ///< one per frame of the animation
+  std::vector<KeyFrameInterval> intervals;  ///< between neighbouring `key` frames
+};
+
+/// report.json, beside artefacts/ (it holds times, so it is no artefact).
+struct JobReport {
+  std::string outcome;  ///< "succeeded", "failed", "stopped"
+  std::string message;  ///< why, where it did not succeed
+  std::vector<Violation> violations;
+  std::vector<std::string> warnings;
+  std::vector<std::pair<Stage, double>> stage_seconds;
+  std::vector<std::pair<std::string, double>>
+      counts;  ///< "patches", "lines", "exchanges", ...; SI units in the name
+  std::uint64_t peak_memory_bytes = 0;
+};
+
+// Defined in api/json/.
+std::string key_frame_report_json(const KeyFrameReport& report);
+Result<KeyFrameReport> parse_key_frame_report(std::string_view bytes);
+std::string job_report_json(const JobReport& report);
+Result<JobReport> parse_job_report(std::string_view bytes);
+
+}  // namespace api

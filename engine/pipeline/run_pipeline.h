@@ -1,0 +1,32 @@
+// The stages of a job, in order.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "api/job_report.h"
+#include "api/job_request.h"
+#include "api/progress_line.h"
+#include "api/result.h"
+
+namespace engine {
+
+/// How a run talks to the worker around it.
+struct RunHooks {
+  std::function<void(const api::ProgressLine&)> progress = [](const api::ProgressLine&) {};
+  std::function<bool()> stop_requested = [] { return false; };  ///< asked at least every 100 ms of work
+};
+
+/// Solves the job whose inputs (scene.obj, MTL, textures) lie in `input_folder` and publishes its artefacts
+/// in `artefacts_folder` (exists), manifest.json last. Fills `report` as far as it gets, also when it fails.
+/// The same inputs give the same bytes in `artefacts_folder`, whatever the thread count.
+api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::path& input_folder,
+                         const std::filesystem::path& artefacts_folder, const RunHooks& hooks,
+                         api::JobReport& report);
+
+/// The first stages only: loads the scene and cuts it into patches, so that bad input is refused before it is
+/// queued. Fills warnings and counts ("polygons", "patches", "frames").
+api::Status check_job(const api::JobRequest& request, const std::filesystem::path& input_folder,
+                      api::JobReport& report);
+
+}  // namespace engine
