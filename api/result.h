@@ -23,8 +23,9 @@ struct Violation {
 /// At most this many violations are reported for one request; the rest are cut.
 inline constexpr std::size_t kViolationsMax = 20;
 
-/// Few causes; the message carries the rest.
-enum class Fault { invalid_request, not_found, wrong_state, out_of_resources, stopped, internal };
+/// Few causes; the message carries the rest. `disk_full` is apart from `out_of_resources`: the same job
+/// succeeds once there is room, while one that asks for too much never does.
+enum class Fault { invalid_request, not_found, wrong_state, out_of_resources, stopped, internal, disk_full };
 
 struct Error {
   Fault fault = Fault::internal;

@@ -16,7 +16,7 @@
 namespace engine {
 
 /// Writes `bytes` to `path`: temporary name in the same folder, fsync, rename, fsync of the folder.
-/// Errors: out_of_resources when the disk is full, internal with path and errno text otherwise.
+/// Errors: disk_full (ENOSPC, EDQUOT), internal with path and errno text otherwise.
 api::Status write_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// radiosity.npy: (frames, patches, 3) float32 little-endian, C order  [W/m^2]. Streamed, not held twice.
