@@ -1,0 +1,58 @@
+# Shared by server/run and tests/run, which source it: installs what is missing and builds.
+# Expects $root (the checkout) and $assume_yes (yes or no).
+
+say() { printf '%s\n' "$*"; }
+fail() {
+  printf '%s: %s\n' "$(basename "$0")" "$*" >&2
+  exit 1
+}
+
+packages_of() { # GROUP...
+  awk -v groups=" $* " '!/^#/ && NF && index(groups, " " $1 " ") { print $2 }' "$root/server/packages.txt"
+}
+
+missing_packages() { # GROUP...
+  local package
+  for package in $(packages_of "$@"); do
+    dpkg-query -W -f '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || echo "$package"
+  done
+}
+
+# Says what will be installed and asks, unless we are root or were told --yes.
+install_missing() { # GROUP...
+  if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+    say "This is not Debian or Ubuntu. Install what these packages hold, then run again with --no-install:"
+    grep -E "^($(echo "$@" | tr ' ' '|')) " "$root/server/packages.txt"
+    exit 1
+  fi
+  local missing
+  missing=$(missing_packages "$@" | tr '\n' ' ')
+  [ -z "$missing" ] && return 0
+  say "To be installed with apt: $missing"
+  local as_root=()
+  if [ "$(id -u)" != 0 ]; then
+    command -v sudo >/dev/null || fail "not root, and no sudo here: install them and run again"
+    as_root=(sudo)
+    if [ "$assume_yes" != yes ]; then
+      read -r -p "Install them with sudo? [y/N] " answer || answer=n
+      case $answer in [yY]*) ;; *) fail "nothing installed" ;; esac
+    fi
+  fi
+  "${as_root[@]}" apt-get -qq update || fail "apt-get update failed"
+  # shellcheck disable=SC2086  # a list of package names
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -y --no-install-recommends install $missing \
+    >"$root/build/apt.log" 2>&1 || { tail -n 20 "$root/build/apt.log" >&2; fail "apt-get install failed"; }
+}
+
+configure_release() { # CMAKE_OPTION...
+  local launcher=()
+  command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  (cd "$root" && cmake --preset release "${launcher[@]}" "$@") >"$root/build/configure.log" 2>&1 ||
+    { cat "$root/build/configure.log" >&2; fail "configuring failed"; }
+}
+
+build_release() { # TARGET...
+  local targets=()
+  [ $# -gt 0 ] && targets=(--target "$@")
+  cmake --build "$root/build/release" "${targets[@]}" || fail "building failed"
+}

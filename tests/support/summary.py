@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""Adds up ctest's JUnit files: a table of labels, the names of what failed or was skipped, one closing line.
+
+usage: summary.py FOLDER LABEL...     reads FOLDER/LABEL.xml
+exit 0: at least one test passed in every label and none failed.  A label without a result file has failed.
+"""
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+
+def read_label(path):
+    """-> (passed, failed, skipped, seconds, lines about what did not pass)"""
+    passed, failed, skipped, seconds, lines = 0, 0, 0, 0.0, []
+    if not path.is_file():
+        return 0, 1, 0, 0.0, [f"failed:  {path.stem}: ctest left no result"]
+    for case in ElementTree.parse(path).getroot().iter("testcase"):
+        seconds += float(case.get("time") or 0)
+        status = case.get("status")
+        if status == "run" and case.find("failure") is None:
+            passed += 1
+        elif status in ("notrun", "disabled") or case.find("skipped") is not None:
+            skipped += 1
+            lines.append(f"skipped: {case.get('name')}")
+        else:
+            failed += 1
+            lines.append(f"failed:  {case.get('name')}")
+    if passed + failed == 0:
+        failed, lines = 1, lines + [f"failed:  {path.stem}: no test ran"]
+    return passed, failed, skipped, seconds, lines
+
+
+def main(folder, labels):
+    total_passed = total_failed = total_skipped = 0
+    table, remarks = [], []
+    for label in labels:
+        passed, failed, skipped, seconds, lines = read_label(Path(folder) / f"{label}.xml")
+        table.append(f"{label:<14}{passed:>8}{failed:>8}{skipped:>9}{seconds:>10.1f} s")
+        remarks += lines
+        total_passed, total_failed = total_passed + passed, total_failed + failed
+        total_skipped += skipped
+    print(f"\n{'label':<14}{'passed':>8}{'failed':>8}{'skipped':>9}{'time':>12}")
+    print("\n".join(table + remarks))
+    skipped_note = f", {total_skipped} skipped" if total_skipped else ""
+    print(f"\n{total_passed} passed, {total_failed} failed{skipped_note}")
+    return 0 if total_failed == 0 and total_passed > 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2:]))
