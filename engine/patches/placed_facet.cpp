@@ -1,0 +1,41 @@
+#include "engine/patches/placed_facet.h"
+
+#include <algorithm>
+
+namespace engine {
+namespace {
+
+double determinant(const Pose& pose) {
+  const auto& m = pose.m;
+  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+}  // namespace
+
+PlacedFacet place(const Facet& facet, const Pose& pose) {
+  PlacedFacet placed;
+  placed.origin = transform_point(pose, facet.origin);
+  placed.edge_u = transform_vector(pose, facet.edge_u);
+  placed.edge_v = transform_vector(pose, facet.edge_v);
+  const Vec3 area = cross(placed.edge_u, placed.edge_v);
+  const float size = length(area);
+  const float sign = determinant(pose) < 0 ? -1.0f : 1.0f;
+  if (size > 0) placed.normal = area * (sign / size);  // a pose that flattens its object leaves no normal
+  return placed;
+}
+
+std::vector<PlacedRange> placed_ranges(const ObjectMotion& motion, std::span<const FrameIndex> frames) {
+  std::vector<PlacedRange> ranges;
+  for (const PoseSpan& span : motion.spans) {
+    const auto begin = std::lower_bound(frames.begin(), frames.end(), span.first);
+    const auto end = std::upper_bound(begin, frames.end(), span.last);
+    if (begin == end) continue;
+    ranges.push_back({&span.pose, static_cast<std::uint32_t>(begin - frames.begin()),
+                      static_cast<std::uint32_t>(end - frames.begin() - 1)});
+  }
+  return ranges;
+}
+
+}  // namespace engine

@@ -1,0 +1,33 @@
+// Facets where their object puts them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/animation/animation.h"
+#include "engine/patches/patches.h"
+
+namespace engine {
+
+/// A facet in world space, in the slots [first_slot, last_slot] of a window of frames.
+struct PlacedFacet {
+  Vec3 origin, edge_u, edge_v;  ///< [m]
+  Vec3 normal;                  ///< unit, of the front; a mirroring pose keeps the front a front
+  std::uint32_t facet = 0;
+  std::uint32_t first_slot = 0, last_slot = 0;
+};
+
+PlacedFacet place(const Facet& facet, const Pose& pose);
+
+/// The slots of a window in which an object holds one pose.
+struct PlacedRange {
+  const Pose* pose = nullptr;
+  std::uint32_t first_slot = 0, last_slot = 0;
+};
+
+/// The poses that an object takes in the window `frames` (increasing), in order; slots without a range are
+/// those in which it is not there.
+std::vector<PlacedRange> placed_ranges(const ObjectMotion& motion, std::span<const FrameIndex> frames);
+
+}  // namespace engine

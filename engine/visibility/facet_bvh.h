@@ -1,0 +1,95 @@
+// One Embree scene over placed facets. Internal to engine/visibility.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/patches/placed_facet.h"
+#include "engine/visibility/embree.h"
+#include "engine/visibility/ray_scene.h"
+
+namespace engine {
+
+/// A hit on item `item` of a FacetBvh.
+struct ItemHit {
+  float distance = 0;
+  std::uint32_t item = 0;
+  float u = 0, v = 0;
+};
+
+class FacetBvh {
+ public:
+  FacetBvh(std::vector<PlacedFacet> items, const Patches& patches);
+  ~FacetBvh();
+  FacetBvh(const FacetBvh&) = delete;
+  FacetBvh& operator=(const FacetBvh&) = delete;
+
+  const std::vector<PlacedFacet>& items() const { return items_; }
+
+  /// Every hit, by (distance, item); an item is hit once at most. Replaces `hits`.
+  void all_hits(const Ray& ray, std::vector<ItemHit>& hits) const;
+
+  /// Calls `accept(item)` for items along the ray, in no order and perhaps twice for one item, until one
+  /// answers true; says whether one did.
+  template <class Accept>
+  bool any_hit(const Ray& ray, Accept&& accept) const;
+
+  bool any_hit(const Ray& ray) const;
+
+  /// The nearest item of those that `accept` takes.
+  template <class Accept>
+  bool nearest(const Ray& ray, ItemHit& hit, Accept&& accept) const;
+
+  bool is_front(std::uint32_t item, Vec3 direction) const { return dot(items_[item].normal, direction) < 0; }
+
+ private:
+  /// What a filter needs: the tree, to turn Embree's numbers into items, and the caller's function.
+  template <class Accept>
+  struct Query {
+    const FacetBvh* bvh;
+    Accept* accept;
+  };
+  template <class Accept>
+  static void filter_by(const RTCFilterFunctionNArguments* arguments);
+
+  std::uint32_t item_of(unsigned geometry, unsigned primitive) const { return item_of_[geometry][primitive]; }
+  void attach(unsigned geometry, std::span<const std::uint32_t> members);
+
+  std::vector<PlacedFacet> items_;
+  std::vector<std::uint32_t> item_of_[2];  ///< [0: quads, 1: triangles][primitive]
+  RTCScene scene_ = nullptr;
+};
+
+RTCRay to_embree(const Ray& ray);
+
+template <class Accept>
+void FacetBvh::filter_by(const RTCFilterFunctionNArguments* arguments) {
+  auto* query = static_cast<Query<Accept>*>(embree::user_of(arguments));
+  const unsigned geometry = RTCHitN_geomID(arguments->hit, arguments->N, 0);
+  const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, 0);
+  if (!(*query->accept)(query->bvh->item_of(geometry, primitive))) arguments->valid[0] = 0;
+}
+
+template <class Accept>
+bool FacetBvh::any_hit(const Ray& ray, Accept&& accept) const {
+  using Function = std::remove_reference_t<Accept>;
+  Query<Function> query{this, &accept};
+  RTCRay shot = to_embree(ray);
+  embree::occluded(scene_, shot, &filter_by<Function>, &query);
+  return shot.tfar < 0;
+}
+
+template <class Accept>
+bool FacetBvh::nearest(const Ray& ray, ItemHit& hit, Accept&& accept) const {
+  using Function = std::remove_reference_t<Accept>;
+  Query<Function> query{this, &accept};
+  RTCRayHit shot;
+  shot.ray = to_embree(ray);
+  shot.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  embree::intersect(scene_, shot, &filter_by<Function>, &query);
+  if (shot.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit = {shot.ray.tfar, item_of(shot.hit.geomID, shot.hit.primID), shot.hit.u, shot.hit.v};
+  return true;
+}
+
+}  // namespace engine

@@ -1,0 +1,54 @@
+#include "engine/visibility/coincident.h"
+#include "engine/visibility/facet_bvh.h"
+
+namespace engine {
+namespace {
+
+std::vector<PlacedFacet> static_facets(const Patches& patches, const Animation& animation) {
+  std::vector<PlacedFacet> placed;
+  for (std::uint32_t f = 0; f < patches.facets.size(); ++f) {
+    const ObjectMotion& motion = animation.objects[patches.facets[f].object];
+    if (!motion.is_static(animation.frame_count)) continue;
+    placed.push_back(place(patches.facets[f], motion.spans[0].pose));
+    placed.back().facet = f;
+  }
+  return placed;
+}
+
+}  // namespace
+
+struct StaticRays::Impl {
+  FacetBvh bvh;
+
+  SurfaceHit surface_hit(const ItemHit& hit, Vec3 direction) const {
+    return {hit.distance, bvh.items()[hit.item].facet, hit.u, hit.v, bvh.is_front(hit.item, direction)};
+  }
+};
+
+StaticRays::StaticRays(const Patches& patches, const Animation& animation)
+    : impl_(new Impl{FacetBvh(static_facets(patches, animation), patches)}) {}
+
+StaticRays::~StaticRays() = default;
+
+void StaticRays::all_hits(const Ray& ray, std::vector<SurfaceHit>& hits) const {
+  thread_local std::vector<ItemHit> found;
+  impl_->bvh.all_hits(ray, found);
+  hits.clear();
+  for (const ItemHit& hit : found) {
+    const SurfaceHit next = impl_->surface_hit(hit, ray.direction);
+    if (hits.empty() || !is_same_crossing(hits.back(), next)) hits.push_back(next);
+  }
+}
+
+bool StaticRays::occluded(const Ray& ray) const {
+  return impl_->bvh.any_hit(ray);
+}
+
+bool StaticRays::nearest(const Ray& ray, SurfaceHit& hit) const {
+  ItemHit found;
+  if (!impl_->bvh.nearest(ray, found, [](std::uint32_t) { return true; })) return false;
+  hit = impl_->surface_hit(found, ray.direction);
+  return true;
+}
+
+}  // namespace engine
