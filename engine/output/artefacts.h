@@ -26,7 +26,8 @@ api::Status write_radiosity_npy(const std::filesystem::path& path, const PatchSe
 ///   corners (P,4,3) float32 [m] object space, counter-clockwise seen from the patch's own side; a triangle
 ///   repeats its last corner; normal (P,3) float32; area_m2 (P) float32; object (P) uint32; material (P)
 ///   uint32; poses (objects, frames, 3, 4) float64 object -> world; visible (objects, frames) uint8;
-///   object_names, material_names: fixed-width unicode.
+///   object_names, material_names: fixed-width unicode, cut after 256 characters.
+/// A pose in a frame that does not see the object is the identity. Error out_of_resources beyond 4 GiB.
 api::Status write_patches_npz(const std::filesystem::path& path, const Scene& scene, const Patches& patches,
                               const Animation& animation);
 
