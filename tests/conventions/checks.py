@@ -1,0 +1,230 @@
+"""The project's conventions as functions: each takes the checkout (and the build folder where it needs one) and
+returns a list of sentences, one for each place that breaks the convention."""
+import json
+import re
+import subprocess
+from pathlib import Path
+
+SKIPPED_FOLDERS = {"build", "data", ".git", "node_modules", "__pycache__"}
+SOURCE_FOLDERS = ("api", "engine", "server", "tests")
+LINES_MAX = 400
+CLANG_FORMAT_MAJOR = 14
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
+
+
+def files_of(root, *suffixes):
+    """Every file of the checkout with one of the suffixes (all of them if none is given), sorted."""
+    found = []
+    for path in sorted(Path(root).rglob("*")):
+        parts = path.relative_to(root).parts
+        if SKIPPED_FOLDERS.intersection(parts) or not path.is_file():
+            continue
+        if not suffixes or path.suffix in suffixes:
+            found.append(path)
+    return found
+
+
+def sources_of(root, *suffixes):
+    return [path for path in files_of(root, *suffixes) if path.relative_to(root).parts[0] in SOURCE_FOLDERS]
+
+
+def lines_with_content(path):
+    """(number, text) of the lines that are neither empty nor a comment."""
+    for number, line in enumerate(Path(path).read_text().splitlines(), 1):
+        if line.strip() and not line.startswith("#"):
+            yield number, line.strip()
+
+
+class IncludeRules:
+    """tests/conventions/includes.txt, read."""
+
+    def __init__(self, path):
+        self.allowed = {}  # folder -> set of folders or headers
+        self.only = []     # (prefix of a third-party header, folders)
+        for number, line in lines_with_content(path):
+            match = re.fullmatch(r"(order|allow|only) ([^:]+): *(.*)", line)
+            if not match:
+                raise ValueError(f"{path}:{number}: not a rule: {line}")
+            kind, subject, rest = match[1], match[2].strip(), match[3].split()
+            if kind == "order":
+                for position, name in enumerate(rest):
+                    before = {f"{subject}/{other}" for other in rest[:position]}
+                    self.allowed.setdefault(f"{subject}/{name}", set()).update(before)
+            elif kind == "allow":
+                self.allowed.setdefault(subject, set()).update(rest)
+            else:
+                self.only += [(prefix, set(rest)) for prefix in subject.split()]
+
+    def targets_of(self, folder):
+        """What `folder` may include: its own rules, those of the folders around it; `FOLDER/.` is FOLDER alone."""
+        targets = {folder} | self.allowed.get(f"{folder}/.", set())
+        while folder:
+            targets |= self.allowed.get(folder, set())
+            folder = folder.rpartition("/")[0]
+        return targets
+
+
+def own_include_problem(rules, folder, header):
+    if rules.targets_of(folder).intersection((header, header.rpartition("/")[0])):
+        return None
+    return f"{folder} may not include {header} (tests/conventions/includes.txt)"
+
+
+def third_party_problem(rules, folder, header):
+    for prefix, folders in rules.only:
+        if header.startswith(prefix) and folder not in folders:
+            return f"only {', '.join(sorted(folders))} may include <{header}>"
+    return None
+
+
+def includes(root, rules_path):
+    """Includes between folders follow the table; ours are written from the root, in double quotes."""
+    rules, problems = IncludeRules(rules_path), []
+    for path in sources_of(root, ".h", ".cpp"):
+        relative = path.relative_to(root)
+        folder, top = relative.parent.as_posix(), relative.parts[0]
+        for quote, header in INCLUDE.findall(path.read_text(errors="replace")):
+            is_ours = header.split("/")[0] in SOURCE_FOLDERS
+            problem = None
+            if is_ours and top != "tests":
+                problem = own_include_problem(rules, folder, header)
+            elif not is_ours and quote == '"':
+                problem = f'"{header}" is not written from the root of the checkout'
+            elif not is_ours and top != "tests":
+                problem = third_party_problem(rules, folder, header)
+            if problem:
+                problems.append(f"{relative}: {problem}")
+    return problems
+
+
+def sources_are_built(root, build):
+    """Every .cpp is compiled by some target."""
+    commands = json.loads((Path(build) / "compile_commands.json").read_text())
+    compiled = {Path(entry["directory"], entry["file"]).resolve() for entry in commands}
+    return [f"{path.relative_to(root)}: no target compiles it" for path in sources_of(root, ".cpp")
+            if path.resolve() not in compiled]
+
+
+LABELS = {"unit", "accuracy", "integration", "conventions"}
+
+
+def registered_tests(build):
+    output = subprocess.run(["ctest", "--show-only=json-v1"], cwd=build, check=True, capture_output=True, text=True)
+    return json.loads(output.stdout)["tests"]
+
+
+def tests_are_registered(root, tests):
+    """Every test has one label and a time limit, and every Python test file is run. `tests`: as ctest lists them."""
+    problems, words = [], set()
+    for test in tests:
+        properties = {item["name"]: item["value"] for item in test.get("properties", [])}
+        words.update(Path(word).name for word in test.get("command", []))
+        if len(LABELS.intersection(properties.get("LABELS", []))) != 1:
+            problems.append(f"test {test['name']}: needs exactly one label of {', '.join(sorted(LABELS))}")
+        if not properties.get("TIMEOUT"):
+            problems.append(f"test {test['name']}: has no time limit")
+    for path in sources_of(root, ".py"):
+        if path.name.endswith("_test.py") and path.name not in words:
+            problems.append(f"{path.relative_to(root)}: ctest does not run it")
+    return problems
+
+
+def file_lengths(root, exceptions_path):
+    """No source has more than 400 lines, but for those listed."""
+    exceptions = {line.split()[0] for _, line in lines_with_content(exceptions_path)}
+    problems = []
+    for path in files_of(root, ".h", ".cpp", ".py", ".sh", ".cmake", ".txt", ".sql", ""):
+        relative = path.relative_to(root).as_posix()
+        count = len(path.read_text(errors="replace").splitlines())
+        if count > LINES_MAX and relative not in exceptions:
+            problems.append(f"{relative}: {count} lines, at most {LINES_MAX}")
+    return problems
+
+
+def clang_format_version():
+    """Its major version, or None where there is none."""
+    try:
+        output = subprocess.run(["clang-format", "--version"], capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    match = re.search(r"version (\d+)", output)
+    return int(match[1]) if match else None
+
+
+def layout(root):
+    """The sources are as clang-format writes them."""
+    problems = []
+    for path in sources_of(root, ".h", ".cpp"):
+        run = subprocess.run(["clang-format", "--dry-run", "--Werror", str(path)], capture_output=True, text=True)
+        if run.returncode != 0:
+            first = run.stderr.splitlines()[0] if run.stderr else ""
+            problems.append(f"{path.relative_to(root)}: clang-format -i would change it {first.partition(': ')[0]}")
+    return problems
+
+
+ADDRESS = re.compile(r"\b(?:https?|ftp|git)://([^\s/:\"'<>)$`{\]]*)")
+
+
+def word_problems(text, words, hosts):
+    """What one text holds that it should not. `words`: (pattern, reason)."""
+    for number, line in enumerate(text.splitlines(), 1):
+        for pattern, reason in words:
+            if re.search(pattern, line):
+                yield f"{number}: {line.strip()[:80]!r}: {reason}"
+        for host in ADDRESS.findall(line):
+            if host and host not in hosts:
+                yield f"{number}: an address of {host}, not one of allowed_hosts.txt"
+
+
+def commit_messages(root):
+    """All of them in one text, or "" where this is no git checkout or git is missing."""
+    try:
+        run = subprocess.run(["git", "-C", str(root), "log", "--format=%B"], capture_output=True, text=True)
+    except OSError:
+        return ""
+    return run.stdout if run.returncode == 0 else ""
+
+
+def words(root, words_path, hosts_path, messages=""):
+    """No file and no commit message names somebody's machine, a foreign address, or unfinished work."""
+    patterns = [tuple(re.split(r" {2,}", line, maxsplit=1)) for _, line in lines_with_content(words_path)]
+    hosts = {line for _, line in lines_with_content(hosts_path)}
+    problems = [f"commit message: {found}" for found in word_problems(messages, patterns, hosts)]
+    for path in files_of(root):
+        try:
+            text = path.read_text()
+        except UnicodeDecodeError:
+            continue  # a picture
+        problems += [f"{path.relative_to(root)}:{found}" for found in word_problems(text, patterns, hosts)]
+    return problems
+
+
+def code_blocks(markdown):
+    """The lines of its shell code blocks, continuation lines joined."""
+    for block in re.findall(r"^```(?:sh|bash|console)\n(.*?)^```", markdown, re.MULTILINE | re.DOTALL):
+        yield from block.replace("\\\n", " ").splitlines()
+
+
+COMMANDS = {"curl", "python3", "cmake", "ctest", "git", "kill", "id=$(curl", "until", "while", "do", "done", "sleep",
+            "sudo", "echo", "export", "cd", "clang-format", "mkdir", "printf", "wait"}
+
+
+def documents(root):
+    """Commands and paths named in README and CONTRIBUTING exist; the table of exit codes is that of the code."""
+    root, problems = Path(root), []
+    for name in ("README.md", "CONTRIBUTING.md"):
+        text = (root / name).read_text()
+        for line in code_blocks(text):
+            first = line.strip().split(" ")[0]
+            if first and not first.startswith("#") and first not in COMMANDS and not (root / first).is_file():
+                if not first.startswith("build/"):
+                    problems.append(f"{name}: no such command: {line.strip()}")
+        for path in re.findall(r"`((?:api|engine|server|tests)/[\w./-]*)`", text):
+            if not (root / path).exists():
+                problems.append(f"{name}: no such path: {path}")
+    in_code = set(re.findall(r"^  \w+ = (\d+),", (root / "api/exit_code.h").read_text(), re.MULTILINE))
+    section = (root / "README.md").read_text().partition("exit code")[2].partition("\n## ")[0]
+    in_readme = set(re.findall(r"^\| (\d+) \|", section, re.MULTILINE))
+    if in_code != in_readme:
+        problems.append(f"README.md: exit codes {sorted(in_readme)}, api/exit_code.h has {sorted(in_code)}")
+    return problems
