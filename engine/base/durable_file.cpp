@@ -11,7 +11,7 @@ namespace engine {
 
 api::Error file_error(std::string_view action, const std::filesystem::path& path, int errno_value) {
   const bool full = errno_value == ENOSPC || errno_value == EDQUOT;
-  return {full ? api::Fault::out_of_resources : api::Fault::internal,
+  return {full ? api::Fault::disk_full : api::Fault::internal,
           "cannot " + std::string(action) + " '" + path.string() +
               "': " + std::generic_category().message(errno_value)};
 }

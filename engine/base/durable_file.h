@@ -12,7 +12,7 @@ namespace engine {
 
 /// A file under construction: ".tmp.<name>" beside its final name, which it gets by publish() only. What a
 /// killed process left under the temporary name is replaced. Destroying an unpublished file removes it.
-/// Errors of every call: out_of_resources when the disk (or the quota) is full, internal with path and reason
+/// Errors of every call: disk_full when the disk (or the quota) is full, internal with path and reason
 /// otherwise.
 class DurableFile {
  public:

@@ -19,7 +19,7 @@ namespace engine {
 /// Identical inputs give identical bytes; no time stamps. Returns the files written, relative to `folder`,
 /// in frame order.
 /// Pixels are radiance B / pi [W sr^-1 m^-2]; what no surface covers is black.
-/// Errors: stopped; out_of_resources when the disk is full; internal with the path for other I/O errors.
+/// Errors: stopped; disk_full; internal with the path for other I/O errors.
 api::Result<std::vector<std::string>> render_images(const Scene& scene, const Patches& patches,
                                                     const Animation& animation, const StaticRays& static_rays,
                                                     const PatchSeries& radiosity_w_m2,

@@ -99,12 +99,11 @@ int write_to_a_full_disk(const fs::path& folder) {
   ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
   if (::mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=64k") != 0) return 77;
   const auto written = engine::write_file(folder / "a", std::string(256 << 10, 'x'));
-  const bool right =
-      !written && written.error().fault == api::Fault::out_of_resources && fs::is_empty(folder);
+  const bool right = !written && written.error().fault == api::Fault::disk_full && fs::is_empty(folder);
   return right ? 0 : 1;
 }
 
-TEST_F(DurableFileTest, AFullDiskIsOutOfResourcesAndLeavesNothing) {
+TEST_F(DurableFileTest, AFullDiskIsAFaultOfItsOwnAndLeavesNothing) {
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
   if (child == 0) ::_exit(write_to_a_full_disk(folder_));
@@ -116,8 +115,8 @@ TEST_F(DurableFileTest, AFullDiskIsOutOfResourcesAndLeavesNothing) {
 }
 
 TEST(FileError, TellsAFullDiskFromOtherTrouble) {
-  EXPECT_EQ(engine::file_error("write", "a", ENOSPC).fault, api::Fault::out_of_resources);
-  EXPECT_EQ(engine::file_error("write", "a", EDQUOT).fault, api::Fault::out_of_resources);
+  EXPECT_EQ(engine::file_error("write", "a", ENOSPC).fault, api::Fault::disk_full);
+  EXPECT_EQ(engine::file_error("write", "a", EDQUOT).fault, api::Fault::disk_full);
   EXPECT_EQ(engine::file_error("write", "a", EIO).fault, api::Fault::internal);
   EXPECT_EQ(engine::file_error("write", "a", EIO).message, "cannot write 'a': Input/output error");
 }
