@@ -1,0 +1,79 @@
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "engine/base/parallel.h"
+#include "engine/worker/commands.h"
+#include "engine/worker/job_folder.h"
+#include "engine/worker/outcome.h"
+#include "engine/worker/supervision.h"
+
+namespace engine {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A check writes its report and nothing else.
+constexpr std::uint64_t kFileBytesMax = 16u << 20;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+api::Status run_check(const JobFolder& folder, const Checker& checker, api::JobReport& report) {
+  const auto request = read_job_request(folder);
+  if (!request) return request.error();
+  return checker(*request, folder.input(), report);
+}
+
+void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCommand& command,
+                      double wall_seconds) {
+  const api::Status why = code == api::ExitCode::stopped
+                              ? api::Error{api::Fault::stopped, "told to stop"}
+                              : api::Error{api::Fault::out_of_resources,
+                                           "reading the scene takes more than " +
+                                               std::to_string(command.seconds) + " s of processor time"};
+  api::JobReport report;
+  complete_report(why, wall_seconds, report);
+  tell_report(report);
+  write_report_in_haste(folder, report);
+}
+
+}  // namespace
+
+api::ExitCode check(const CheckCommand& command, const Checker& checker) {
+  const Clock::time_point start = Clock::now();
+  const auto give_up = [](const api::Error& error) {
+    tell(error.message);
+    return exit_code_of(error.fault);
+  };
+  std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
+  std::atomic<const JobFolder*> locked = nullptr;  // the watch must not write into a folder that is not ours
+  const auto watch =
+      Watch::start({.grace = std::chrono::milliseconds(0), .last_words = [&](api::ExitCode code) {
+                      if (const JobFolder* mine = locked)
+                        write_last_words(*mine, code, command, seconds_since(start));
+                    }});
+  if (!watch) return give_up(watch.error());
+  const api::Status limited = limit_myself({.memory_bytes = command.memory_mb << 20,
+                                            .processor_seconds = command.seconds,
+                                            .file_bytes = kFileBytesMax});
+  if (!limited) return give_up(limited.error());
+  set_thread_count(1);  // what is allowed is processor time over all threads
+  auto opened = JobFolder::open(command.job_folder);
+  if (!opened) return give_up(opened.error());
+  locked = &folder.emplace(std::move(*opened));
+
+  api::JobReport report;
+  const api::Status status = without_exceptions([&] { return run_check(*folder, checker, report); });
+  complete_report(status, seconds_since(start), report);
+  tell_report(report);
+  const api::Status written = write_report(*folder, report);
+  if (!written) tell("report.json: " + written.error().message);
+  return exit_code_of(status ? written : status);
+}
+
+}  // namespace engine

@@ -1,0 +1,152 @@
+#include "engine/worker/command_line.h"
+
+#include <charconv>
+#include <limits>
+#include <set>
+#include <vector>
+
+namespace engine {
+namespace {
+
+/// An option's name and value, or a plain word (name empty).
+struct Word {
+  std::string_view name;
+  std::string_view value;
+};
+
+api::Error usage_error(std::string message) {
+  return {api::Fault::invalid_request, std::move(message)};
+}
+
+/// Digits only, so that "+5", "5s", "0x5", " 5" and "5.0" are refused instead of half read.
+api::Result<std::uint64_t> parse_number(const Word& word, std::uint64_t min, std::uint64_t max) {
+  std::uint64_t number = 0;
+  const char* const end = word.value.data() + word.value.size();
+  const auto [stop, fault] = std::from_chars(word.value.data(), end, number);
+  if (fault != std::errc() || stop != end || number < min || number > max)
+    return usage_error(std::string(word.name) + " takes a whole number from " + std::to_string(min) + " to " +
+                       std::to_string(max) + ", not '" + std::string(word.value) + "'");
+  return number;
+}
+
+/// Every option of ours takes a value.
+api::Result<std::vector<Word>> split_words(std::span<const std::string_view> words) {
+  std::vector<Word> split;
+  std::set<std::string_view> seen;
+  bool options_ended = false;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string_view word = words[i];
+    if (!options_ended && word == "--") {
+      options_ended = true;
+    } else if (options_ended || !word.starts_with('-') || word == "-") {
+      split.push_back({{}, word});
+    } else {
+      const std::size_t equals = word.find('=');
+      const std::string_view name = word.substr(0, equals);
+      if (!seen.insert(name).second) return usage_error(std::string(name) + " is given twice");
+      if (equals == std::string_view::npos && i + 1 == words.size())
+        return usage_error(std::string(name) + " is unknown or lacks its value");
+      split.push_back({name, equals == std::string_view::npos ? words[++i] : word.substr(equals + 1)});
+    }
+  }
+  return split;
+}
+
+/// Hands every option to `take_option` and checks that exactly one folder is named.
+template <class TakeOption>
+api::Result<std::filesystem::path> parse_words(std::span<const std::string_view> words,
+                                               const TakeOption& take_option) {
+  const auto split = split_words(words);
+  if (!split) return split.error();
+  std::filesystem::path folder;
+  for (const Word& word : *split) {
+    if (!word.name.empty()) {
+      if (const api::Status taken = take_option(word); !taken) return taken.error();
+    } else if (word.value.empty() || !folder.empty()) {
+      return usage_error("exactly one JOB_FOLDER is needed");
+    } else {
+      folder = word.value;
+    }
+  }
+  if (folder.empty()) return usage_error("JOB_FOLDER is missing");
+  return folder;
+}
+
+template <class Number>
+api::Status take_number(const Word& word, std::uint64_t min, std::uint64_t max, Number& into) {
+  const auto number = parse_number(word, min, max);
+  if (!number) return number.error();
+  into = static_cast<Number>(*number);
+  return api::Done{};
+}
+
+api::Result<Command> parse_render(std::span<const std::string_view> words) {
+  RenderCommand command;
+  const auto folder = parse_words(words, [&](const Word& word) -> api::Status {
+    if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
+    if (word.name == "--parent")
+      return take_number(word, 1, std::numeric_limits<pid_t>::max(), command.parent);
+    return usage_error("unknown option " + std::string(word.name));
+  });
+  if (!folder) return folder.error();
+  command.job_folder = *folder;
+  return Command{command};
+}
+
+api::Result<Command> parse_check(std::span<const std::string_view> words) {
+  CheckCommand command;
+  const auto folder = parse_words(words, [&](const Word& word) -> api::Status {
+    if (word.name == "--memory-mb")
+      return take_number(word, kCheckMemoryMbMin, kCheckMemoryMbMax, command.memory_mb);
+    if (word.name == "--seconds") return take_number(word, 1, kCheckSecondsMax, command.seconds);
+    return usage_error("unknown option " + std::string(word.name));
+  });
+  if (!folder) return folder.error();
+  command.job_folder = *folder;
+  return Command{command};
+}
+
+}  // namespace
+
+api::Result<Command> parse_command_line(std::span<const std::string_view> words) {
+  for (const std::string_view word : words) {
+    if (word == "--") break;
+    if (word == "--help" || word == "-h") return Command{HelpCommand{}};
+    if (word == "--version") return Command{VersionCommand{}};
+  }
+  if (words.empty()) return usage_error("say what to do");
+  if (words[0] == "render") return parse_render(words.subspan(1));
+  if (words[0] == "check") return parse_check(words.subspan(1));
+  return usage_error("unknown command '" + std::string(words[0]) + "'");
+}
+
+std::string usage_line() {
+  return "usage: keylume render JOB_FOLDER [--threads N] [--parent PID]\n"
+         "       keylume check JOB_FOLDER [--memory-mb N] [--seconds N]\n"
+         "       keylume --help | --version\n";
+}
+
+std::string help_text() {
+  return usage_line() + R"(
+render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what they name) and leaves
+         JOB_FOLDER/artefacts, with manifest.json written last: where it stands, every artefact is whole.
+         Appends one line of JSON per step to progress.ndjson and writes report.json, also on failure.
+  --threads N     use N threads instead of all cores; the results are the same bytes
+  --parent PID    for supervisors: end when process PID ends, or when standard input closes
+
+check    Reads the job and cuts its scene into patches, nothing more; writes report.json.
+  --memory-mb N   at most N MiB of memory (2048)
+  --seconds N     at most N seconds of processor time (60)
+
+Exit status
+   0   render: every artefact is published; check: the job is sound
+   1   a bug or an I/O failure, or another worker has the folder; worth another attempt
+   2   the job itself is wrong: report.json lists the violations
+   3   the job asks for more than the limits allow
+   4   stopped by SIGTERM or SIGINT, within a second
+   6   the disk is full; try again when there is room
+  64   wrong command line
+)";
+}
+
+}  // namespace engine

@@ -1,0 +1,48 @@
+// What the user typed, checked: `keylume render|check JOB_FOLDER ...`.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "api/result.h"
+
+namespace engine {
+
+inline constexpr unsigned kThreadsMax = 1024;
+inline constexpr std::uint64_t kCheckMemoryMbMin = 64;
+inline constexpr std::uint64_t kCheckMemoryMbMax = 1u << 20;
+inline constexpr std::uint64_t kCheckSecondsMax = 86'400;
+
+struct RenderCommand {
+  std::filesystem::path job_folder;
+  unsigned threads = 0;         ///< 0: all cores; 1 .. kThreadsMax
+  std::optional<pid_t> parent;  ///< --parent: end when this process ends, or when standard input closes
+};
+
+struct CheckCommand {
+  std::filesystem::path job_folder;
+  std::uint64_t memory_mb = 2048;  ///< [MiB] of private memory; kCheckMemoryMbMin .. kCheckMemoryMbMax
+  std::uint64_t seconds = 60;      ///< [s] of processor time, over all threads; 1 .. kCheckSecondsMax
+};
+
+struct HelpCommand {};
+struct VersionCommand {};
+
+using Command = std::variant<RenderCommand, CheckCommand, HelpCommand, VersionCommand>;
+
+/// `words` are argv without the program's name. Options may stand before or after the folder, as
+/// `--threads 2` or `--threads=2`; after `--` every word is a folder. Each option at most once.
+/// Errors: invalid_request, the message names the word that is wrong.
+api::Result<Command> parse_command_line(std::span<const std::string_view> words);
+
+std::string usage_line();  ///< for standard error, after the message
+std::string help_text();   ///< for standard output
+
+}  // namespace engine

@@ -1,0 +1,40 @@
+// What `keylume` does, with the engine handed in: the process around a run, and nothing of the run itself.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include "api/exit_code.h"
+#include "api/job_report.h"
+#include "api/job_request.h"
+#include "api/result.h"
+#include "engine/pipeline/run_pipeline.h"
+#include "engine/worker/command_line.h"
+
+namespace engine {
+
+/// As engine::run_pipeline. May throw.
+using Pipeline = std::function<api::Status(const api::JobRequest&, const std::filesystem::path& input_folder,
+                                           const std::filesystem::path& artefacts_folder, const RunHooks&,
+                                           api::JobReport&)>;
+
+/// As engine::check_job. May throw.
+using Checker = std::function<api::Status(const api::JobRequest&, const std::filesystem::path& input_folder,
+                                          api::JobReport&)>;
+
+/// One attempt at a job: locks the folder, clears leftovers, runs `pipeline`, writes progress.ndjson and
+/// report.json. Returns within 1 s after SIGTERM or SIGINT, or ends the process. Call from main, once.
+/// Where the folder is not ours (missing, or another worker's) nothing in it is touched.
+api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline);
+
+/// Runs `checker` with limits on this process, from which it does not recover, and writes report.json.
+/// Ends the process with limit_exceeded when the processor time is used up. Call from main, once.
+api::ExitCode check(const CheckCommand& command, const Checker& checker);
+
+/// The whole program: `words` are argv without the program's name.
+api::ExitCode run_worker(std::span<const std::string_view> words, const Pipeline& pipeline,
+                         const Checker& checker);
+
+}  // namespace engine

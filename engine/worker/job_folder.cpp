@@ -1,0 +1,148 @@
+#include "engine/worker/job_folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "engine/base/durable_file.h"
+#include "engine/output/artefacts.h"
+#include "engine/worker/outcome.h"
+
+namespace engine {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file descriptor that closes itself.
+class File {
+ public:
+  explicit File(int file) : file_(file) {}
+  File(const File&) = delete;
+  ~File() {
+    if (file_ >= 0) close(file_);
+  }
+  int get() const { return file_; }
+
+ private:
+  int file_;
+};
+
+/// As DurableFile names a file while it is being written.
+bool is_temporary(const fs::path& path) {
+  return path.filename().string().starts_with(".tmp.");
+}
+
+void remove_temporary_files(const fs::path& artefacts) {
+  std::vector<fs::path> leftovers;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(artefacts))
+    if (is_temporary(entry.path()) && !fs::is_directory(entry.symlink_status()))
+      leftovers.push_back(entry.path());
+  for (const fs::path& path : leftovers) fs::remove(path);
+}
+
+api::Error refused_input(std::string code, std::string detail) {
+  const std::string message = "animation.json: " + detail;
+  return {api::Fault::invalid_request,
+          message,
+          {{"animation.json", "", 0, 0, std::move(code), std::move(detail)}}};
+}
+
+/// All of a file of known size; what was appended meanwhile is not read.
+std::optional<std::string> read_bytes(int file, std::size_t size) {
+  std::string bytes(size, '\0');
+  std::size_t have = 0;
+  while (have < size) {
+    const ssize_t got = read(file, bytes.data() + have, size - have);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return std::nullopt;
+    if (got == 0) break;
+    have += static_cast<std::size_t>(got);
+  }
+  bytes.resize(have);
+  return bytes;
+}
+
+}  // namespace
+
+api::Result<JobFolder> JobFolder::open(const fs::path& path, std::chrono::milliseconds patience) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored))
+    return api::Error{api::Fault::not_found, path.string() + " is not a folder"};
+  const fs::path lock_path = path / ".lock";
+  const int lock = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0640);
+  if (lock < 0) return file_error("open", lock_path, errno);
+  JobFolder folder(path, lock);
+  const auto give_up = std::chrono::steady_clock::now() + patience;
+  while (flock(lock, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK && errno != EINTR) return file_error("lock", lock_path, errno);
+    if (std::chrono::steady_clock::now() >= give_up)
+      return api::Error{api::Fault::wrong_state, "another worker is at " + path.string()};
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return folder;
+}
+
+JobFolder::JobFolder(JobFolder&& other) noexcept : path_(std::move(other.path_)), lock_(other.lock_) {
+  other.lock_ = -1;
+}
+
+JobFolder::~JobFolder() {
+  if (lock_ >= 0) close(lock_);
+}
+
+api::Status clear_leftovers(const JobFolder& folder) {
+  return without_exceptions([&]() -> api::Status {
+    if (fs::create_directories(folder.artefacts())) {
+      if (const api::Status synced = sync_folder(folder.artefacts().parent_path()); !synced) return synced;
+    }
+    if (fs::remove(folder.artefacts() / "manifest.json")) {
+      if (const api::Status synced = sync_folder(folder.artefacts()); !synced) return synced;
+    }
+    fs::remove(folder.report());
+    remove_temporary_files(folder.artefacts());
+    return api::Done{};
+  });
+}
+
+api::Result<api::JobRequest> read_job_request(const JobFolder& folder) {
+  const fs::path path = folder.input() / "animation.json";
+  // O_NONBLOCK: a pipe in its place must not hang us; it has no effect on files.
+  const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (file.get() < 0 && errno == ENOENT) return refused_input("missing", "the file is missing");
+  struct stat about {};
+  if (file.get() < 0 || fstat(file.get(), &about) != 0) return file_error("read", path, errno);
+  if (!S_ISREG(about.st_mode)) return refused_input("not_a_file", "this is not a regular file");
+  const auto size = static_cast<std::uint64_t>(about.st_size);
+  if (size > api::kAnimationBytesMax)
+    return refused_input("too_large", std::to_string(size) + " bytes; at most " +
+                                          std::to_string(api::kAnimationBytesMax) + " are allowed");
+  const auto bytes = read_bytes(file.get(), size);
+  if (!bytes) return file_error("read", path, errno);
+  return api::parse_job_request(*bytes);
+}
+
+api::Status write_report(const JobFolder& folder, const api::JobReport& report) {
+  return without_exceptions([&] { return write_file(folder.report(), api::job_report_json(report)); });
+}
+
+void write_report_in_haste(const JobFolder& folder, const api::JobReport& report) {
+  const fs::path temporary = folder.report().parent_path() / ".tmp.last_words.json";
+  const std::string bytes = api::job_report_json(report);
+  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0640);
+  if (file < 0) return;
+  const bool whole = write(file, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
+  close(file);
+  if (whole)
+    rename(temporary.c_str(), folder.report().c_str());
+  else
+    unlink(temporary.c_str());
+}
+
+}  // namespace engine

@@ -1,0 +1,55 @@
+// JOB_FOLDER and who may work in it: input/, artefacts/, progress.ndjson, report.json, .lock.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "api/job_report.h"
+#include "api/job_request.h"
+#include "api/result.h"
+
+namespace engine {
+
+/// A job's folder, locked for this process until the object or the process ends, however it ends.
+class JobFolder {
+ public:
+  /// Takes the exclusive lock JOB_FOLDER/.lock. A worker that is just dying still holds it for a moment, so
+  /// it is tried for up to `patience`.
+  /// Errors: not_found (no such folder), wrong_state (another worker is at it), internal.
+  static api::Result<JobFolder> open(const std::filesystem::path& path,
+                                     std::chrono::milliseconds patience = std::chrono::seconds(2));
+
+  JobFolder(JobFolder&& other) noexcept;
+  JobFolder& operator=(JobFolder&&) = delete;
+  ~JobFolder();
+
+  std::filesystem::path input() const { return path_ / "input"; }
+  std::filesystem::path artefacts() const { return path_ / "artefacts"; }
+  std::filesystem::path progress() const { return path_ / "progress.ndjson"; }
+  std::filesystem::path report() const { return path_ / "report.json"; }
+
+ private:
+  JobFolder(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
+
+  std::filesystem::path path_;
+  int lock_;  ///< file descriptor that carries the lock; -1 after a move
+};
+
+/// Clears what an earlier attempt left, in this order: artefacts/manifest.json (durably, so that its presence
+/// always means that everything in it is whole), report.json, temporary files below artefacts/. Artefacts
+/// themselves stay: each is replaced by rename. Creates artefacts/ where it is missing.
+api::Status clear_leftovers(const JobFolder& folder);
+
+/// input/animation.json -> the job. Its size is looked at before it is read.
+/// Errors: invalid_request with violations (also where the file is missing or too large), internal.
+api::Result<api::JobRequest> read_job_request(const JobFolder& folder);
+
+/// Replaces report.json, durably.
+api::Status write_report(const JobFolder& folder, const api::JobReport& report);
+
+/// The same without waiting for the disk, for a process that ends at once.
+void write_report_in_haste(const JobFolder& folder, const api::JobReport& report);
+
+}  // namespace engine

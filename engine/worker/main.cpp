@@ -1,0 +1,20 @@
+// keylume: the worker. One process per attempt at a job; README and `keylume --help` say how to use it.
+#include <exception>
+#include <string_view>
+#include <vector>
+
+#include "engine/pipeline/run_pipeline.h"
+#include "engine/worker/commands.h"
+#include "engine/worker/outcome.h"
+
+int main(int argc, char** argv) {
+  try {
+    const std::vector<std::string_view> words(argv + (argc > 0 ? 1 : 0), argv + argc);
+    return static_cast<int>(engine::run_worker(words, engine::run_pipeline, engine::check_job));
+  } catch (const std::exception& error) {
+    engine::tell(error.what());
+  } catch (...) {
+    engine::tell("unexpected failure");
+  }
+  return static_cast<int>(api::ExitCode::internal);
+}

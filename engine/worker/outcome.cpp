@@ -1,0 +1,109 @@
+#include "engine/worker/outcome.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <new>
+#include <system_error>
+
+namespace engine {
+namespace {
+
+std::string_view outcome_name(const api::Status& status) {
+  if (status) return "succeeded";
+  return status.error().fault == api::Fault::stopped ? "stopped" : "failed";
+}
+
+bool means_full_disk(const std::error_code& code) {
+  return code == std::errc::no_space_on_device ||
+         code == std::error_condition(EDQUOT, std::generic_category());
+}
+
+}  // namespace
+
+api::ExitCode exit_code_of(api::Fault fault) {
+  switch (fault) {
+    case api::Fault::invalid_request:
+      return api::ExitCode::invalid_input;
+    case api::Fault::out_of_resources:
+      return api::ExitCode::limit_exceeded;
+    case api::Fault::stopped:
+      return api::ExitCode::stopped;
+    case api::Fault::disk_full:
+      return api::ExitCode::disk_full;
+    case api::Fault::not_found:
+    case api::Fault::wrong_state:
+    case api::Fault::internal:
+      break;
+  }
+  return api::ExitCode::internal;
+}
+
+api::ExitCode exit_code_of(const api::Status& status) {
+  return status ? api::ExitCode::ok : exit_code_of(status.error().fault);
+}
+
+api::Status without_exceptions(const std::function<api::Status()>& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return api::Error{api::Fault::out_of_resources, "the job needs more memory than it may have"};
+  } catch (const std::system_error& error) {
+    return api::Error{means_full_disk(error.code()) ? api::Fault::disk_full : api::Fault::internal,
+                      error.what()};
+  } catch (const std::exception& error) {
+    return api::Error{api::Fault::internal, std::string("unexpected failure: ") + error.what()};
+  } catch (...) {
+    return api::Error{api::Fault::internal, "unexpected failure"};
+  }
+}
+
+void complete_report(const api::Status& status, double wall_seconds, api::JobReport& report) {
+  report.outcome = outcome_name(status);
+  report.message = status ? "" : status.error().message;
+  report.violations = status ? std::vector<api::Violation>{} : status.error().violations;
+  if (report.violations.size() > api::kViolationsMax) report.violations.resize(api::kViolationsMax);
+  report.peak_memory_bytes = peak_memory_bytes();
+  report.counts.emplace_back("wall_seconds", wall_seconds);
+}
+
+std::uint64_t peak_memory_bytes() {
+  // getrusage would count the process that started us: a spawned child inherits its parent's peak until
+  // exec, and ru_maxrss keeps it. VmHWM belongs to this program's own address space.
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    std::uint64_t kib = 0;
+    if (word == "VmHWM:" && status >> kib) return kib * 1024;
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string text_of(const api::Violation& violation) {
+  std::string text = violation.file;
+  if (violation.line > 0) text += ':' + std::to_string(violation.line);
+  if (violation.line > 0 && violation.column > 0) text += ':' + std::to_string(violation.column);
+  if (!violation.pointer.empty()) text += (text.empty() ? "" : " ") + violation.pointer;
+  return text.empty() ? violation.detail : text + ": " + violation.detail;
+}
+
+void tell(std::string_view message) {
+  std::string line = "keylume: " + std::string(message);
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  line += '\n';
+  // Nothing can be done where standard error is closed or full.
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
+}
+
+void tell_report(const api::JobReport& report) {
+  for (const std::string& warning : report.warnings) tell("warning: " + warning);
+  for (const api::Violation& violation : report.violations) tell(text_of(violation));
+  if (!report.message.empty()) tell(report.outcome + ": " + report.message);
+}
+
+}  // namespace engine

@@ -1,0 +1,123 @@
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "engine/base/parallel.h"
+#include "engine/worker/commands.h"
+#include "engine/worker/job_folder.h"
+#include "engine/worker/outcome.h"
+#include "engine/worker/progress_file.h"
+#include "engine/worker/supervision.h"
+
+namespace engine {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string text_of_seconds(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", seconds);
+  return text;
+}
+
+/// Tells a person what changes: each new stage and each new message.
+class Narrator {
+ public:
+  explicit Narrator(Clock::time_point start) : start_(start) {}
+
+  void hear(const api::ProgressLine& line) {
+    if (stage_ != line.stage)
+      tell(text_of_seconds(seconds_since(start_)) + "  " + std::string(name_of(line.stage)));
+    if (!line.message.empty() && line.message != message_) tell(line.message);
+    stage_ = line.stage;
+    message_ = line.message;
+  }
+
+ private:
+  Clock::time_point start_;
+  std::optional<api::Stage> stage_;
+  std::string message_;
+};
+
+api::Status run_attempt(const JobFolder& folder, const Pipeline& pipeline, const Watch& watch,
+                        Clock::time_point start, api::JobReport& report) {
+  if (const api::Status cleared = clear_leftovers(folder); !cleared) return cleared;
+  const auto request = read_job_request(folder);
+  if (!request) return request.error();
+  const auto progress = ProgressFile::open(folder.progress());
+  if (!progress) return progress.error();
+
+  Narrator narrator(start);
+  RunHooks hooks;
+  hooks.progress = [&](const api::ProgressLine& line) {
+    (*progress)->report(line);
+    narrator.hear(line);
+  };
+  hooks.stop_requested = [&] { return watch.stop_requested(); };
+  return pipeline(*request, folder.input(), folder.artefacts(), hooks, report);
+}
+
+/// The report of a process that ends in the midst of its work. Another thread fills the real one: not
+/// touched.
+void write_last_words(const JobFolder& folder, api::ExitCode code, double wall_seconds) {
+  const api::Status why =
+      code == api::ExitCode::stopped
+          ? api::Error{api::Fault::stopped, "told to stop, and ended before the stage at work noticed"}
+          : api::Error{api::Fault::out_of_resources, "the processor time allowed is used up"};
+  api::JobReport report;
+  complete_report(why, wall_seconds, report);
+  tell_report(report);
+  write_report_in_haste(folder, report);
+}
+
+api::ExitCode conclude(const JobFolder& folder, const api::Status& status, double wall_seconds,
+                       api::JobReport& report) {
+  complete_report(status, wall_seconds, report);
+  tell_report(report);
+  const api::Status written = write_report(folder, report);
+  if (!written) tell("report.json: " + written.error().message);
+  if (!status) return exit_code_of(status);
+  if (written)
+    tell("succeeded in " + text_of_seconds(wall_seconds) + ", peak memory " +
+         std::to_string(report.peak_memory_bytes >> 20) + " MiB");
+  return exit_code_of(written);
+}
+
+}  // namespace
+
+api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline) {
+  const Clock::time_point start = Clock::now();
+  const auto give_up = [](const api::Error& error) {
+    tell(error.message);
+    return exit_code_of(error.fault);
+  };
+  if (command.parent) {
+    if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
+  }
+  std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
+  std::atomic<const JobFolder*> locked = nullptr;  // the watch must not write into a folder that is not ours
+  const auto watch =
+      Watch::start({.end_with_stdin = command.parent.has_value(), .last_words = [&](api::ExitCode code) {
+                      if (const JobFolder* mine = locked) write_last_words(*mine, code, seconds_since(start));
+                    }});
+  if (!watch) return give_up(watch.error());
+  set_thread_count(command.threads);
+  auto opened = JobFolder::open(command.job_folder);
+  if (!opened) return give_up(opened.error());
+  locked = &folder.emplace(std::move(*opened));
+
+  api::JobReport report;
+  const api::Status status =
+      without_exceptions([&] { return run_attempt(*folder, pipeline, **watch, start, report); });
+  return conclude(*folder, status, seconds_since(start), report);
+}
+
+}  // namespace engine

@@ -1,0 +1,77 @@
+// The worker's place among processes: it outlives nobody, yields to everybody, and stops when told.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "api/exit_code.h"
+#include "api/result.h"
+
+namespace engine {
+
+/// For every run: no new privileges, no core files, umask 027, SIGPIPE ignored. Call from main, before
+/// threads.
+void settle_in();
+
+/// For a run under a supervisor: SIGKILL when the parent dies, no inherited descriptors but 0, 1 and 2,
+/// nice 10, first in line for the out-of-memory killer. The kernel means the parent's *thread*: the one that
+/// spawned us must live as long as we shall.
+/// Errors: wrong_state when `parent` is not our parent, that is, it died already; stop then.
+api::Status bind_to_parent(pid_t parent);
+
+struct SelfLimits {
+  std::uint64_t memory_bytes = 0;       ///< of private writable memory (RLIMIT_DATA)
+  std::uint64_t processor_seconds = 0;  ///< over all threads; SIGXCPU then, SIGKILL two seconds later
+  std::uint64_t file_bytes = 0;         ///< per file written; beyond it writes fail with EFBIG
+};
+
+/// Not the address space: thread pools and ray tracers reserve far more of it than they use.
+/// Errors: internal. A limit that is already lower stays.
+api::Status limit_myself(const SelfLimits& limits);
+
+/// A thread that hears what the outside wants while the main thread computes.
+///
+/// SIGTERM and SIGINT: `stop_requested` turns true; unless the object is destroyed within `grace`, the
+/// process ends with ExitCode::stopped. SIGXCPU: the process ends with ExitCode::limit_exceeded.
+/// Standard input closed, where asked for: the process ends with ExitCode::stopped at once.
+/// `last_words` is called, on this thread, before the process is ended by the first two.
+///
+/// The signals stay blocked in the calling thread and those it starts later, also after destruction: it
+/// stands for the rest of the process. A child process must unblock them.
+class Watch {
+ public:
+  struct Options {
+    bool end_with_stdin = false;
+    std::chrono::milliseconds grace{900};
+    std::function<void(api::ExitCode)> last_words = [](api::ExitCode) {};
+  };
+
+  /// Call before other threads are started. Errors: internal.
+  static api::Result<std::unique_ptr<Watch>> start(Options options);
+  Watch(const Watch&) = delete;
+  ~Watch();
+
+  bool stop_requested() const { return stop_requested_.load(std::memory_order_relaxed); }
+
+ private:
+  Watch(Options options, int signals, int farewell);
+  void listen();
+  void hear_signal();
+  void hear_stdin();
+  [[noreturn]] void end_process(api::ExitCode code);
+
+  const Options options_;
+  const int signals_;   ///< signalfd
+  const int farewell_;  ///< eventfd, readable once the object is being destroyed
+  std::atomic<bool> stop_requested_ = false;
+  std::chrono::steady_clock::time_point deadline_{};  ///< counts once stop_requested_; listener thread only
+  std::thread listener_;
+};
+
+}  // namespace engine
