@@ -5,8 +5,8 @@
 
 namespace engine {
 
-/// Handed to every stage that takes long. A stage reports from one thread at a time and asks `stop_requested`
-/// at least every 100 ms of work, from any thread; when it is true the stage returns Fault::stopped.
+/// Handed to every stage that takes long. Both may be called from any thread. A stage asks `stop_requested`
+/// at least every 100 ms of work where it can; when it is true the stage returns Fault::stopped.
 struct Progress {
   std::function<void(double fraction)> report = [](double) {};
   std::function<bool()> stop_requested = [] { return false; };

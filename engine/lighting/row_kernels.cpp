@@ -1,0 +1,33 @@
+#include "engine/lighting/row_kernels.h"
+
+// One binary for every x86-64: the widest version the machine has is chosen when the program starts. All of
+// them add in the same order, so they give the same bytes. Sanitizers cannot run code that early.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__) && !defined(__clang__)
+#define KEYLUME_WIDEST __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define KEYLUME_WIDEST
+#endif
+
+namespace engine {
+
+KEYLUME_WIDEST
+void add_rows(float* __restrict sum, const float* __restrict rows, std::size_t width,
+              std::span<const PatchId> senders) {
+  constexpr std::size_t kAhead = 3;  // senders whose rows are fetched while earlier ones are added
+  for (std::size_t s = 0; s < senders.size(); ++s) {
+    if (s + kAhead < senders.size()) {
+      const float* next = rows + std::size_t{senders[s + kAhead]} * width;
+      for (std::size_t k = 0; k < width; k += 16) __builtin_prefetch(next + k);
+    }
+    const float* row = rows + std::size_t{senders[s]} * width;
+    for (std::size_t k = 0; k < width; ++k) sum[k] += row[k];
+  }
+}
+
+KEYLUME_WIDEST
+void add_scaled(float* __restrict to, const float* __restrict from, float factor, std::size_t width) {
+  for (std::size_t k = 0; k < width; ++k) to[k] += factor * from[k];
+}
+
+}  // namespace engine
