@@ -1,0 +1,42 @@
+// The folder that holds everything the service keeps.
+//
+//   LOCK                 held by the one server that may use the folder; its process id inside
+//   keylume.db           SQLite, with -wal and -shm beside it
+//   tmp/<id>/            uploads on their way in; emptied at start-up
+//   jobs/<id>/           one job: input/, artefacts/, progress.ndjson, report.json, worker.log
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "api/result.h"
+#include "server/artefacts/files.h"
+
+namespace server {
+
+class DataFolder {
+ public:
+  /// Creates what is missing and takes the lock, which lasts as long as this object. Errors: wrong_state when
+  /// another server holds it, with that server's process id.
+  static api::Result<DataFolder> open(const std::filesystem::path& root);
+
+  std::filesystem::path database() const { return root_ / "keylume.db"; }
+  std::filesystem::path uploads() const { return root_ / "tmp"; }
+  std::filesystem::path upload(std::string_view id) const { return uploads() / id; }
+  std::filesystem::path jobs() const { return root_ / "jobs"; }
+  std::filesystem::path job(std::string_view id) const { return jobs() / id; }
+
+  /// Empties tmp/ and removes the folders in jobs/ that no row knows: what a crash left between file and row.
+  api::Status remove_leftovers(std::span<const std::string> ids_with_row) const;
+
+ private:
+  std::filesystem::path root_;
+  FileHandle lock_;
+};
+
+/// Bytes free for us on the file system of `folder`.
+api::Result<std::int64_t> free_bytes(const std::filesystem::path& folder);
+
+}  // namespace server

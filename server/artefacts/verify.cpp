@@ -1,0 +1,89 @@
+#include "server/artefacts/verify.h"
+
+#include <openssl/evp.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <memory>
+#include <set>
+
+namespace server {
+namespace {
+
+constexpr std::size_t kPieceBytes = 64 * 1024;
+
+struct FreeDigest {
+  void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
+};
+using Digest = std::unique_ptr<EVP_MD_CTX, FreeDigest>;
+
+Digest new_digest() {
+  Digest digest(EVP_MD_CTX_new());
+  if (digest && EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr) != 1) digest.reset();
+  return digest;
+}
+
+std::string hexadecimal(Digest& digest) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
+  unsigned int size = 0;
+  EVP_DigestFinal_ex(digest.get(), bytes.data(), &size);
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (unsigned int i = 0; i < size; ++i) {
+    text += kDigits[bytes[i] >> 4];
+    text += kDigits[bytes[i] & 15];
+  }
+  return text;
+}
+
+api::Error bad(const ClaimedFile& file, std::string_view what) {
+  return {api::Fault::invalid_request, "artefact '" + file.path + "' " + std::string(what)};
+}
+
+api::Status verify_file(const std::filesystem::path& folder, const ClaimedFile& file) {
+  const auto opened = open_below(folder, file.path);
+  if (!opened) return bad(file, "cannot be opened: " + opened.error().message);
+  const auto size = size_of(*opened);
+  if (!size) return size.error();
+  if (*size != file.bytes)
+    return bad(file, "has " + std::to_string(*size) + " bytes, not " + std::to_string(file.bytes));
+  const auto hash = sha256_of(*opened);
+  if (!hash) return hash.error();
+  if (*hash != file.sha256) return bad(file, "has another SHA-256 than the manifest says");
+  return api::Done{};
+}
+
+}  // namespace
+
+api::Result<std::string> sha256_of(const FileHandle& file) {
+  Digest digest = new_digest();
+  if (!digest) return api::Error{api::Fault::internal, "SHA-256 is not available"};
+  const auto piece = std::make_unique<std::array<char, kPieceBytes>>();
+  for (off_t offset = 0;;) {
+    const ssize_t count = ::pread(file.get(), piece->data(), piece->size(), offset);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return file_error("read", errno);
+    if (count == 0) return hexadecimal(digest);
+    EVP_DigestUpdate(digest.get(), piece->data(), static_cast<std::size_t>(count));
+    offset += count;
+  }
+}
+
+std::string sha256_of(std::string_view bytes) {
+  Digest digest = new_digest();
+  if (!digest) return {};
+  EVP_DigestUpdate(digest.get(), bytes.data(), bytes.size());
+  return hexadecimal(digest);
+}
+
+api::Status verify_files(const std::filesystem::path& folder, const std::vector<ClaimedFile>& files) {
+  std::set<std::string_view> seen;
+  for (const ClaimedFile& file : files) {
+    if (!seen.insert(file.path).second) return bad(file, "is listed twice");
+    if (api::Status fine = verify_file(folder, file); !fine) return fine;
+  }
+  return api::Done{};
+}
+
+}  // namespace server

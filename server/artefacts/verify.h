@@ -1,0 +1,29 @@
+// Is what a worker says it left behind really there?
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "api/result.h"
+#include "server/artefacts/files.h"
+
+namespace server {
+
+/// What the manifest says of one file.
+struct ClaimedFile {
+  std::string path;
+  std::int64_t bytes = 0;
+  std::string sha256;  ///< lower-case hexadecimal
+};
+
+/// SHA-256 of the file from its start, lower-case hexadecimal; read in pieces, never held whole.
+api::Result<std::string> sha256_of(const FileHandle& file);
+std::string sha256_of(std::string_view bytes);
+
+/// Every file exists below `folder` as a regular file under a plain relative path, with that size and hash, and
+/// no path comes twice. Errors: invalid_request naming the first file that does not.
+/// The worker has parsed a stranger's upload, so it is believed nothing.
+api::Status verify_files(const std::filesystem::path& folder, const std::vector<ClaimedFile>& files);
+
+}  // namespace server

@@ -1,0 +1,116 @@
+// What the store keeps of a job, as plain structs. Times are milliseconds since 1970, UTC.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/job_report.h"
+#include "api/job_status.h"
+#include "api/progress_line.h"
+
+namespace server {
+
+enum class InputRole { scene, material, texture, animation };
+
+struct InputFile {
+  std::string name;  ///< in the job's input/ folder
+  InputRole role = InputRole::texture;
+  std::int64_t bytes = 0;
+};
+
+struct NewJob {
+  std::string id;
+  std::string name;
+  std::uint32_t frame_count = 1;
+  double fps = 24;
+  std::vector<InputFile> inputs;
+};
+
+struct Job {
+  std::int64_t seq = 0;  ///< order of submission, never used twice
+  std::string id;
+  std::string name;
+  api::JobState state = api::JobState::queued;
+  std::string reason;   ///< stable word: why it is in this state
+  std::string message;  ///< the same for people, with what is worth knowing
+  std::uint32_t frame_count = 1;
+  double fps = 24;
+  std::optional<api::Stage> stage;
+  double stage_fraction = 0;
+  double fraction = 0;
+  std::uint32_t attempt = 0;
+  std::uint32_t attempts_without_progress = 0;
+  std::optional<std::uint32_t> key_frame_count;  ///< solved frames; none before the job has succeeded
+  std::string report;                            ///< the worker's last report as JSON, or empty
+  std::int64_t version = 1;                      ///< counts every change
+  std::int64_t created_ms = 0;
+  std::int64_t updated_ms = 0;
+  std::optional<std::int64_t> started_ms;
+  std::optional<std::int64_t> finished_ms;
+};
+
+/// The right to write for one attempt of a job. Every write of an attempt carries it; once another attempt has
+/// begun, the old one's writes are refused.
+struct Lease {
+  std::int64_t job_seq = 0;
+  std::int64_t token = 0;
+};
+
+/// A process that cannot be mistaken for a later one with the same pid.
+struct ProcessIdentity {
+  std::int64_t pid = 0;
+  std::int64_t start_ticks = 0;  ///< since boot, field 22 of /proc/PID/stat
+  std::string boot_id;
+};
+
+struct Claim {
+  Job job;
+  Lease lease;
+};
+
+/// A job that was running when the server ended, and the worker it had, if it got that far.
+struct Orphan {
+  Job job;
+  Lease lease;
+  std::optional<ProcessIdentity> worker;
+};
+
+/// How an attempt ended, for its row.
+struct AttemptEnd {
+  std::optional<int> exit_code;
+  std::optional<int> signal;
+};
+
+struct Attempt {
+  std::uint32_t number = 0;
+  std::int64_t started_ms = 0;
+  std::optional<std::int64_t> ended_ms;
+  std::string outcome;
+  AttemptEnd end;
+};
+
+struct Event {
+  std::int64_t id = 0;
+  std::int64_t at_ms = 0;
+  std::optional<api::JobState> from;  ///< none: the job was submitted
+  api::JobState to = api::JobState::queued;
+  std::string reason;
+  std::string message;
+};
+
+struct ArtefactFile {
+  std::string path;  ///< relative to the job's artefacts/ folder
+  std::string media_type;
+  std::int64_t bytes = 0;
+  std::string sha256;  ///< lower-case hexadecimal
+};
+
+/// What a successful attempt leaves, committed in one transaction with the step to `succeeded`.
+struct Results {
+  std::vector<ArtefactFile> artefacts;
+  api::KeyFrameReport key_frames;
+};
+
+}  // namespace server

@@ -1,0 +1,78 @@
+#include "server/store/migrate.h"
+
+#include <string>
+
+namespace server {
+namespace {
+
+constexpr std::int64_t kApplicationId = 0x4b4c4d31;  // "KLM1": tells our files from other SQLite files
+
+api::Result<std::int64_t> pragma_value(Database& database, std::string_view name) {
+  Statement read = database.prepare("PRAGMA " + std::string(name));
+  const std::int64_t value = read.next() ? read.integer(0) : 0;
+  if (const api::Status ok = read.status(); !ok) return ok.error();
+  return value;
+}
+
+api::Status apply(Database& database, const Migration& migration) {
+  Transaction transaction(database);
+  if (api::Status begun = transaction.begin(); !begun) return begun;
+  const std::string version = "PRAGMA user_version=" + std::to_string(migration.number);
+  for (const std::string& script : {std::string(migration.sql), version}) {
+    const api::Status done = database.execute(script);
+    if (!done)
+      return api::Error{done.error().fault, "migration " + std::string(migration.name) + ": " +
+                                                done.error().message};
+  }
+  return transaction.commit();
+}
+
+api::Status claim_file(Database& database, int version) {
+  const auto id = pragma_value(database, "application_id");
+  if (!id) return id.error();
+  if (*id == kApplicationId) return api::Done{};
+  Statement tables = database.prepare("SELECT count(*) FROM sqlite_schema");
+  const bool empty = tables.next() && tables.integer(0) == 0;
+  if (api::Status ok = tables.status(); !ok) return ok;
+  if (*id != 0 || version != 0 || !empty)
+    return api::Error{api::Fault::internal, "database: the file belongs to another application"};
+  return database.execute("PRAGMA application_id=" + std::to_string(kApplicationId));
+}
+
+}  // namespace
+
+api::Result<int> schema_version(Database& database) {
+  const auto version = pragma_value(database, "user_version");
+  if (!version) return version.error();
+  return static_cast<int>(*version);
+}
+
+api::Status migrate(Database& database, std::span<const Migration> wanted) {
+  const auto version = schema_version(database);
+  if (!version) return version.error();
+  const int newest = wanted.empty() ? 0 : wanted.back().number;
+  if (*version > newest)
+    return api::Error{api::Fault::internal, "database: its schema is version " + std::to_string(*version) +
+                                                ", this build knows up to " + std::to_string(newest) +
+                                                "; start a newer keylume-server"};
+  if (api::Status ours = claim_file(database, *version); !ours) return ours;
+  for (const Migration& migration : wanted) {
+    if (migration.number <= *version) continue;
+    if (api::Status applied = apply(database, migration); !applied) return applied;
+  }
+  return api::Done{};
+}
+
+api::Status check_integrity(Database& database) {
+  Statement quick = database.prepare("PRAGMA quick_check(1)");
+  const std::string answer = quick.next() ? quick.text(0) : "no answer";
+  if (api::Status ok = quick.status(); !ok) return ok;
+  if (answer != "ok") return api::Error{api::Fault::internal, "database is damaged: " + answer};
+  Statement keys = database.prepare("PRAGMA foreign_key_check");
+  if (keys.next())
+    return api::Error{api::Fault::internal, "database is damaged: a row of " + keys.text(0) +
+                                                " refers to a row that is gone"};
+  return keys.status();
+}
+
+}  // namespace server
