@@ -1,0 +1,135 @@
+// Lighting options and images.
+#include <algorithm>
+#include <array>
+
+#include "api/json/job_sections.h"
+#include "api/json/nearest_name.h"
+
+namespace api {
+namespace {
+
+constexpr std::array kPresets{Named<Preset>{"draft", Preset::draft},
+                              Named<Preset>{"standard", Preset::standard},
+                              Named<Preset>{"high", Preset::high}};
+constexpr std::array kDirect{Named<DirectLight>{"apart", DirectLight::apart},
+                             Named<DirectLight>{"pure", DirectLight::pure}};
+constexpr std::array kToneMaps{Named<ToneMap>{"filmic", ToneMap::filmic},
+                               Named<ToneMap>{"clip", ToneMap::clip}};
+constexpr std::array<std::string_view, 2> kFormats{"png", "exr"};
+
+constexpr std::uint64_t kSeedMax = (1ull << 53) - 1;
+constexpr Range kPatchEdge{1e-4, 1e4};
+constexpr Range kEstimatePatchEdge{1e-3, 1e4};
+constexpr Range kTolerance{.lowest = 0, .highest = 1, .lowest_excluded = true};
+constexpr Range kEpsilon{.lowest = 0, .highest = 1e9, .lowest_excluded = true};
+constexpr Range kStops{-32, 32};
+constexpr std::size_t kAnyNameBytes = 1u << 10;
+
+template <class Enum, std::size_t n>
+void take_named(const Node& object, std::string_view name, const std::array<Named<Enum>, n>& table,
+                Enum& value) {
+  if (const auto field = member(object, name)) take(one_of(*field, table), value);
+}
+
+template <class T>
+void take_whole(const Node& object, std::string_view name, std::uint64_t lowest, std::uint64_t highest,
+                T& value) {
+  if (const auto field = member(object, name)) take(whole(*field, lowest, highest), value);
+}
+
+void take_number(const Node& object, std::string_view name, const Range& range, double& value) {
+  if (const auto field = member(object, name)) take(number(*field, range), value);
+}
+
+void read_formats(const Node& node, ImageOptions& image) {
+  if (!is_array_of(node, 1, kFormats.size())) return;
+  std::array<bool, kFormats.size()> wanted{};
+  for (std::size_t i = 0; i < node.json->size(); ++i) {
+    const auto format = one_of(element(node, i), kFormats);
+    if (!format) continue;
+    if (wanted[*format]) add_violation(element(node, i), "duplicate_value", "is given more than once");
+    wanted[*format] = true;
+  }
+  image.png = wanted[0];
+  image.exr = wanted[1];
+}
+
+void read_exposure(const Node& node, ImageOptions& image) {
+  constexpr std::array<std::string_view, 1> kAuto{"auto"};
+  if (node.json->is_string()) {
+    one_of(node, kAuto);
+    return;
+  }
+  const auto stops = number(node, kStops);
+  if (!stops) return;
+  image.auto_exposure = false;
+  image.exposure_stops = *stops;
+}
+
+void read_camera_name(const Node& node, const std::map<std::string, Camera>& cameras, ImageOptions& image) {
+  const auto name = text(node, kAnyNameBytes);
+  if (!name) return;
+  image.camera = *name;
+  if (cameras.contains(*name)) return;
+  std::vector<std::string_view> names;
+  for (const auto& [known, camera] : cameras) names.push_back(known);
+  add_violation(node, "unknown_camera",
+                cameras.empty() ? "names a camera, but the job has none"
+                                : "is not a camera of this job" + suggestion(*name, names));
+}
+
+ImageOptions read_image(const Node& node, const std::map<std::string, Camera>& cameras) {
+  ImageOptions image;
+  if (!is_object_of(
+          node, {"camera", "width", "height", "formats", "exposure_stops", "tone_map", "samples_per_pixel"}))
+    return image;
+  if (const auto camera = required(node, "camera")) read_camera_name(*camera, cameras, image);
+  take_whole(node, "width", 1, 8192, image.width);
+  take_whole(node, "height", 1, 8192, image.height);
+  if (const auto formats = member(node, "formats")) read_formats(*formats, image);
+  if (const auto exposure = member(node, "exposure_stops")) read_exposure(*exposure, image);
+  take_named(node, "tone_map", kToneMaps, image.tone_map);
+  take_whole(node, "samples_per_pixel", 1, 64, image.samples_per_pixel);
+  return image;
+}
+
+}  // namespace
+
+LightingOptions read_lighting(const Node& node) {
+  LightingOptions options;
+  if (!is_object_of(node, {"preset", "mode", "lines", "line_count", "samples_per_light", "patch_edge_m",
+                           "estimate_patch_edge_m", "estimate_line_count", "tolerance", "epsilon_w", "seed"}))
+    return options;
+  take_named(node, "preset", kPresets, options.preset);
+  options = lighting_preset(options.preset);  // first, so that every field given beside it wins
+  take_named(node, "mode", kLightingModes, options.mode);
+  take_named(node, "lines", kDirect, options.direct);
+  take_whole(node, "line_count", 1'000, 1'000'000'000, options.line_count);
+  take_whole(node, "samples_per_light", 1, 1024, options.samples_per_light);
+  take_number(node, "patch_edge_m", kPatchEdge, options.patch_edge_m);
+  take_number(node, "estimate_patch_edge_m", kEstimatePatchEdge, options.estimate_patch_edge_m);
+  take_whole(node, "estimate_line_count", 1'000, 100'000'000, options.estimate_line_count);
+  take_number(node, "tolerance", kTolerance, options.tolerance);
+  take_number(node, "epsilon_w", kEpsilon, options.epsilon_w);
+  take_whole(node, "seed", 0, kSeedMax, options.seed);
+  return options;
+}
+
+std::vector<ImageOptions> read_images(const Node& node, const std::map<std::string, Camera>& cameras) {
+  std::vector<ImageOptions> images;
+  if (!is_array_of(node, 0, kImagesMax)) return images;
+  for (std::size_t i = 0; i < node.json->size(); ++i) {
+    ImageOptions image = read_image(element(node, i), cameras);
+    // Their files would have the same names.
+    const bool again = std::any_of(images.begin(), images.end(), [&](const ImageOptions& before) {
+      return !image.camera.empty() && before.camera == image.camera;
+    });
+    if (again)
+      add_violation(element(node, i), "camera", "duplicate_value",
+                    "has its images already, in an entry before");
+    images.push_back(std::move(image));
+  }
+  return images;
+}
+
+}  // namespace api

@@ -1,0 +1,20 @@
+// What is checked of a JSON document before its meaning: limits, syntax, repeated members.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "api/json/json_text.h"
+
+namespace api {
+
+/// The document, or none where it cannot be read at all. Appends to `violations` why not, and also every
+/// repeated member of a document that can be read (its last value is kept, so that the rest can be checked).
+std::optional<ParsedJson> parse_strictly(std::string_view bytes, std::string_view file,
+                                         const JsonLimits& limits, std::vector<Violation>& violations);
+
+/// `name` as one step of a JSON pointer, with its slash: "/a~1b" for "a/b" (RFC 6901).
+std::string pointer_step(std::string_view name);
+
+}  // namespace api
