@@ -35,7 +35,7 @@ struct ObjectMotion {
 struct CameraPose {
   Vec3 position;  ///< [m]
   Vec3 target;    ///< [m], differs from position
-  Vec3 up;        ///< unit
+  Vec3 up;        ///< unit, not parallel to target - position
   double vertical_fov_degrees = 50;
 };
 
@@ -51,7 +51,23 @@ struct Animation {
   }
 };
 
-/// Evaluates every track at every frame. `scene` comes from load_scene with `request.scene`, so names match.
+/// Evaluates every track at every frame. `scene` comes from load_scene with `request.scene`, so names match;
+/// the entry "" of `request.scene.objects`, if there is one, moves Scene::objects[0].
+///
+/// Poses: p -> T + pivot + R S (p - pivot), in metres. One matrix per frame replaces all of that (pivot too);
+/// frames after the last matrix keep it.
+///
+/// Between keys: linear and cubic treat each number by itself (tracks.h), but
+///   Euler angles     are joined angle by angle, then turned into a matrix
+///   axis and angle   where every key has the same axis, the angle is joined: more than one turn is possible;
+///                    where axes differ, the keys are read as quaternions
+///   quaternions      linear: slerp along the shorter arc; cubic: the spline of the four numbers, normalised
+/// A cubic track can overshoot its keys; then exitance is held at >= 0, a field of view within 1 .. 170
+/// degrees, and a scale factor at no less than a hundredth of its smallest key.
+///
+/// Cameras: `up` is the job's up axis. Where a camera looks along it within 0.1 degrees, the top of its
+/// picture is -z (up = y) or +y (up = z), as on a map. Where position and target meet, the camera looks on as
+/// in the frame before (in the first frame: along -z, or +y), so no pose is undefined.
 Animation animate(const Scene& scene, const api::JobRequest& request);
 
 }  // namespace engine
