@@ -41,7 +41,7 @@ class OnATree(unittest.TestCase):
         return checks.includes(self.root, HERE / "includes.txt")
 
     def words(self, messages=""):
-        return checks.words(self.root, HERE / "words.txt", HERE / "allowed_hosts.txt", messages)
+        return checks.words(self.root, HERE / "words.txt", HERE / "allowed_addresses.txt", messages)
 
     def test_a_good_tree_passes(self):
         self.assertEqual(self.includes(), [])
