@@ -21,13 +21,13 @@ inline constexpr std::uint64_t kCheckMemoryMbMax = 1u << 20;
 inline constexpr std::uint64_t kCheckSecondsMax = 86'400;
 
 struct RenderCommand {
-  std::filesystem::path job_folder;
-  unsigned threads = 0;         ///< 0: all cores; 1 .. kThreadsMax
-  std::optional<pid_t> parent;  ///< --parent: end when this process ends, or when standard input closes
+  std::filesystem::path job_folder = {};
+  unsigned threads = 0;              ///< 0: all cores; 1 .. kThreadsMax
+  std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
 };
 
 struct CheckCommand {
-  std::filesystem::path job_folder;
+  std::filesystem::path job_folder = {};
   std::uint64_t memory_mb = 2048;  ///< [MiB] of private memory; kCheckMemoryMbMin .. kCheckMemoryMbMax
   std::uint64_t seconds = 60;      ///< [s] of processor time, over all threads; 1 .. kCheckSecondsMax
 };
