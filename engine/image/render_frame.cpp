@@ -1,0 +1,171 @@
+#include "engine/image/render_frame.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <numbers>
+#include <optional>
+
+#include "engine/base/parallel.h"
+#include "engine/patches/placed_facet.h"
+
+namespace engine {
+namespace {
+
+/// Rows per parallel chunk, so that a stop is noticed in time.
+constexpr std::uint32_t kBandRows = 8;
+
+/// Adds a sample's blend to the pixel's, which starts at `first`. Samples of one pixel mostly share nodes.
+void add_blend(const NodeBlend& blend, float share, std::size_t first, std::vector<NodeWeight>& pixel) {
+  for (std::uint32_t c = 0; c < blend.count; ++c) {
+    const NodeWeight added{blend.nodes[c].node, blend.nodes[c].weight * share};
+    const auto known = std::find_if(pixel.begin() + static_cast<std::ptrdiff_t>(first), pixel.end(),
+                                    [&](const NodeWeight& other) { return other.node == added.node; });
+    if (known == pixel.end())
+      pixel.push_back(added);
+    else
+      known->weight += added.weight;
+  }
+}
+
+/// Appends the blend of one pixel. `moving`: none, to see the static facets only.
+void trace_pixel(const Stage3d& stage, const PinholeCamera& camera, const MovingRays* moving,
+                 std::uint32_t slot, std::span<const SubPixel> samples, std::uint32_t x, std::uint32_t y,
+                 std::vector<NodeWeight>& pixel) {
+  const std::size_t first = pixel.size();
+  const float share = 1.0f / static_cast<float>(samples.size());
+  for (const SubPixel sample : samples) {
+    Ray ray = camera.ray_through(static_cast<float>(x) + sample.x, static_cast<float>(y) + sample.y);
+    SurfaceHit hit;
+    bool found = stage.static_rays.nearest(ray, hit);
+    if (found) ray.far = hit.distance;
+    if (moving) found = moving->nearest(ray, slot, hit) || found;
+    if (found)
+      add_blend(blend_at(stage.mesh, stage.patches, hit.facet, hit.u, hit.v, hit.front), share, first, pixel);
+  }
+}
+
+Rgb radiance(std::span<const NodeWeight> pixel, const std::vector<Rgb>& node_radiosity) {
+  Rgb sum;
+  for (const NodeWeight& part : pixel) sum += part.weight * node_radiosity[part.node];
+  return sum * std::numbers::inv_pi_v<float>;
+}
+
+std::span<const NodeWeight> seen_at(const StaticView::Row& row, std::uint32_t x) {
+  const std::uint32_t first = x == 0 ? 0 : row.end[x - 1];
+  return std::span(row.blends).subspan(first, row.end[x] - first);
+}
+
+/// Does a sample of this pixel meet something that moves, be it hidden or not?
+bool meets_motion(const FrameView& view, std::span<const SubPixel> samples, std::uint32_t x,
+                  std::uint32_t y) {
+  return std::any_of(samples.begin(), samples.end(), [&](SubPixel sample) {
+    SurfaceHit hit;
+    return view.moving_rays.nearest(
+        view.camera.ray_through(static_cast<float>(x) + sample.x, static_cast<float>(y) + sample.y),
+        view.slot, hit);
+  });
+}
+
+void render_row(const Stage3d& stage, const FrameView& view, std::span<const SubPixel> samples,
+                std::uint32_t y, Image& image) {
+  std::vector<NodeWeight> pixel;
+  for (std::uint32_t x = 0; x < image.width; ++x) {
+    const bool may_move = std::any_of(view.motion.begin(), view.motion.end(),
+                                      [&](const PixelRect& rect) { return rect.contains(x, y); });
+    if (view.static_view && !(may_move && meets_motion(view, samples, x, y))) {
+      image.at(x, y) = radiance(seen_at(view.static_view->rows[y], x), view.node_radiosity);
+      continue;
+    }
+    pixel.clear();
+    trace_pixel(stage, view.camera, &view.moving_rays, view.slot, samples, x, y, pixel);
+    image.at(x, y) = radiance(pixel, view.node_radiosity);
+  }
+}
+
+/// Calls work(y) for every row, in parallel, until stopped. False when stopped.
+bool for_each_row(std::uint32_t height, const std::function<bool()>& stop_requested,
+                  const std::function<void(std::uint32_t)>& work) {
+  std::atomic<bool> stopped = false;
+  parallel_for((height + kBandRows - 1) / kBandRows, [&](std::size_t band) {
+    const auto first = static_cast<std::uint32_t>(band * kBandRows);
+    for (std::uint32_t y = first; y < std::min(first + kBandRows, height); ++y) {
+      if (stopped || stop_requested()) {
+        stopped = true;
+        return;
+      }
+      work(y);
+    }
+  });
+  return !stopped;
+}
+
+/// The corners of the box around an object's facets, in object space.
+std::array<Vec3, 8> box_corners(Vec3 low, Vec3 high) {
+  std::array<Vec3, 8> corners;
+  for (unsigned c = 0; c < 8; ++c)
+    corners[c] = {c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z};
+  return corners;
+}
+
+}  // namespace
+
+std::unique_ptr<StaticView> see_static(const Stage3d& stage, const PinholeCamera& camera,
+                                       std::uint32_t samples_per_pixel, std::size_t bytes_max,
+                                       const std::function<bool()>& stop_requested) {
+  auto view = std::make_unique<StaticView>();
+  view->rows.resize(camera.height);
+  const auto samples = sub_pixels(samples_per_pixel);
+  std::atomic<std::size_t> bytes = 0;
+  const auto too_large_or_stopped = [&] { return bytes > bytes_max || stop_requested(); };
+  const bool whole = for_each_row(camera.height, too_large_or_stopped, [&](std::uint32_t y) {
+    StaticView::Row& row = view->rows[y];
+    for (std::uint32_t x = 0; x < camera.width; ++x) {
+      trace_pixel(stage, camera, nullptr, 0, samples, x, y, row.blends);
+      row.end.push_back(static_cast<std::uint32_t>(row.blends.size()));
+    }
+    row.blends.shrink_to_fit();
+    bytes += row.blends.size() * sizeof(NodeWeight) + row.end.size() * sizeof(std::uint32_t);
+  });
+  return whole && bytes <= bytes_max ? std::move(view) : nullptr;
+}
+
+api::Result<Image> render_frame(const Stage3d& stage, const FrameView& view, std::uint32_t samples_per_pixel,
+                                const std::function<bool()>& stop_requested) {
+  Image image(view.camera.width, view.camera.height);
+  const auto samples = sub_pixels(samples_per_pixel);
+  const bool whole = for_each_row(image.height, stop_requested,
+                                  [&](std::uint32_t y) { render_row(stage, view, samples, y, image); });
+  if (!whole) return api::Error{api::Fault::stopped, "stopped while rendering images"};
+  return image;
+}
+
+std::vector<PixelRect> pixels_with_motion(const Patches& patches, const Animation& animation,
+                                          FrameIndex frame, const PinholeCamera& camera) {
+  struct Box {
+    Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+  };
+  std::vector<Box> boxes(animation.objects.size());
+  for (const Facet& facet : patches.facets) {
+    Box& box = boxes[facet.object];
+    const Vec3 u_end = facet.origin + facet.edge_u, v_end = facet.origin + facet.edge_v;
+    for (const Vec3 p : {facet.origin, u_end, v_end, u_end + facet.edge_v}) {
+      box.low = min(box.low, p);
+      box.high = max(box.high, p);
+    }
+  }
+  std::vector<PixelRect> rects;
+  for (std::size_t o = 0; o < boxes.size(); ++o) {
+    const ObjectMotion& motion = animation.objects[o];
+    if (motion.is_static(animation.frame_count) || boxes[o].low.x > boxes[o].high.x) continue;
+    for (const PlacedRange& range : placed_ranges(motion, std::span(&frame, 1))) {
+      auto corners = box_corners(boxes[o].low, boxes[o].high);
+      for (Vec3& corner : corners) corner = transform_point(*range.pose, corner);
+      const PixelRect rect = pixels_around(camera, corners);
+      if (rect.x0 < rect.x1) rects.push_back(rect);
+    }
+  }
+  return rects;
+}
+
+}  // namespace engine

@@ -1,0 +1,61 @@
+// One camera, one frame -> one image in memory.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "api/result.h"
+#include "engine/image/camera.h"
+#include "engine/image/image.h"
+#include "engine/image/shading_mesh.h"
+#include "engine/visibility/ray_scene.h"
+
+namespace engine {
+
+/// What is the same in every frame of a scene.
+struct Stage3d {
+  const Patches& patches;
+  const ShadingMesh& mesh;
+  const StaticRays& static_rays;
+};
+
+/// What a camera that stands still sees of the static facets: each pixel as a blend of nodes, in the order of
+/// its samples. Pixels are then sums of a few products per frame, without rays.
+struct StaticView {
+  struct Row {
+    std::vector<NodeWeight> blends;
+    std::vector<std::uint32_t> end;  ///< [x]: pixel x is blends [end[x - 1], end[x])
+  };
+  std::vector<Row> rows;
+};
+
+/// Traces `samples_per_pixel` rays per pixel. Null when the view would need more than `bytes_max`, or when
+/// stopped: then every frame is traced alone, with the same result.
+std::unique_ptr<StaticView> see_static(const Stage3d& stage, const PinholeCamera& camera,
+                                       std::uint32_t samples_per_pixel, std::size_t bytes_max,
+                                       const std::function<bool()>& stop_requested);
+
+/// What changes from frame to frame.
+struct FrameView {
+  PinholeCamera camera;
+  const MovingRays& moving_rays;
+  std::uint32_t slot = 0;                  ///< of moving_rays' window
+  const std::vector<Rgb>& node_radiosity;  ///< of this frame, see node_radiosity()  [W/m^2]
+  /// Where the moving facets can be, if `static_view` is given; pixels elsewhere are taken from it.
+  std::vector<PixelRect> motion;
+  const StaticView* static_view = nullptr;  ///< of the same camera and sample count, or none
+};
+
+/// Radiance B / pi, box-filtered over each pixel; black where a ray meets nothing or the back of a one-sided
+/// facet. Rows run in parallel. Error: stopped.
+api::Result<Image> render_frame(const Stage3d& stage, const FrameView& view, std::uint32_t samples_per_pixel,
+                                const std::function<bool()>& stop_requested);
+
+/// Around each object that moves and is there in `frame`: the pixels that can see it.
+std::vector<PixelRect> pixels_with_motion(const Patches& patches, const Animation& animation,
+                                          FrameIndex frame, const PinholeCamera& camera);
+
+}  // namespace engine

@@ -1,0 +1,53 @@
+// Patches are constant, pictures are smooth: radiosity at the nodes of the patch grids, and between them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/lighting/radiosity.h"
+#include "engine/patches/patches.h"
+
+namespace engine {
+
+/// The nodes of all facets' (u,v) grids, one set per side that has patches. A node's radiosity is the
+/// area-weighted mean of the patches around it. Nodes of neighbouring facets that lie at the same point are
+/// one node when the sides belong to the same object and material and face the same way (within 1 degree), so
+/// that no seam shows between coplanar polygons; sides that differ in any of these are never mixed.
+struct ShadingMesh {
+  std::uint32_t node_count = 0;
+  std::vector<std::uint32_t> first_place;  ///< [facet]: its front's grid places, then its back's, in node_of
+  std::vector<std::uint32_t> node_of;      ///< [place]: the node there; places as in grid_place()
+  std::vector<std::uint32_t> first_patch;  ///< [node .. node_count]: into patches_around
+  std::vector<PatchId> patches_around;
+};
+
+/// Depends on the patches alone: built once for all frames and cameras.
+ShadingMesh build_shading_mesh(const Patches& patches);
+
+/// Places of a facet's grid on one side. Parallelogram: (grid_u + 1)(grid_v + 1), row-major, u fastest.
+/// Triangle: row by row from v = 0, row j has grid_u + 1 - j.
+std::uint32_t grid_place_count(const Facet& facet);
+std::uint32_t grid_place(const Facet& facet, std::uint32_t i, std::uint32_t j);
+
+/// Radiosity of every node in the frames [first_frame, first_frame + values.size()); values[k] is resized to
+/// node_count.  [W/m^2]
+void node_radiosity(const ShadingMesh& mesh, const Patches& patches, const PatchSeries& radiosity_w_m2,
+                    std::uint32_t first_frame, std::span<std::vector<Rgb>> values_w_m2);
+
+struct NodeWeight {
+  std::uint32_t node = 0;
+  float weight = 0;
+};
+
+/// Radiosity at a point = sum of weight x node radiosity over the first `count`; the weights sum to 1.
+/// Parallelogram cells: bilinear between 4 nodes. Triangle cells: linear between 3. count = 0: the back of a
+/// one-sided facet, black.
+struct NodeBlend {
+  std::uint32_t count = 0;
+  NodeWeight nodes[4];
+};
+NodeBlend blend_at(const ShadingMesh& mesh, const Patches& patches, std::uint32_t facet, float u, float v,
+                   bool front);
+
+}  // namespace engine

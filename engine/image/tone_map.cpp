@@ -1,0 +1,95 @@
+#include "engine/image/tone_map.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace engine {
+namespace {
+
+constexpr double kMiddleGrey = 0.18;
+
+double hable(double x) {
+  constexpr double a = 0.15, b = 0.50, c = 0.10, d = 0.20, e = 0.02, f = 0.30;
+  return (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f;
+}
+
+constexpr double kWhite = 11.2;
+
+/// k: where h(k 0.18) / h(11.2) = 0.18, found by bisection; h rises.
+double grey_keeping_scale() {
+  double low = 1, high = 10;
+  for (int step = 0; step < 60; ++step) {
+    const double middle = 0.5 * (low + high);
+    (hable(middle * kMiddleGrey) < kMiddleGrey * hable(kWhite) ? low : high) = middle;
+  }
+  return low;
+}
+
+bool emits_ever(const std::vector<Rgb>& exitance) {
+  return std::any_of(exitance.begin(), exitance.end(), [](Rgb e) { return max_channel(e) > 0; });
+}
+
+// The table's points are equidistant within each octave: 2^7 of them, from 2^-16 to 2^16, so that the upper
+// bits of a float are its index and the lower ones the fraction to the next point.
+constexpr unsigned kMantissaBits = 23, kPointBits = 7, kFractionBits = kMantissaBits - kPointBits;
+constexpr float kLowest = 0x1p-16f, kHighest = 0x1p16f;
+constexpr std::uint32_t kFirstIndex = std::bit_cast<std::uint32_t>(kLowest) >> kFractionBits;
+constexpr std::uint32_t kPoints = (32u << kPointBits) + 1;
+
+}  // namespace
+
+double auto_exposure_factor(const Patches& patches, const Animation& animation,
+                            const PatchSeries& radiosity_w_m2) {
+  std::vector<bool> emits;
+  for (const auto& exitance : animation.exitance_w_m2) emits.push_back(emits_ever(exitance));
+  double power = 0, area = 0;
+  for (PatchId patch = 0; patch < patches.count(); ++patch) {
+    if (emits[patches.facets[patches.facet_of[patch]].material] && !patches.is_back(patch)) continue;
+    double sum = 0;
+    for (std::uint32_t f = 0; f < radiosity_w_m2.frame_count; ++f) {
+      const Rgb b = radiosity_w_m2.at(patch, f);
+      sum += 0.2126 * b.r + 0.7152 * b.g + 0.0722 * b.b;
+    }
+    power += patches.area_m2[patch] * sum;
+    area += static_cast<double>(patches.area_m2[patch]) * radiosity_w_m2.frame_count;
+  }
+  return power > 0 ? kMiddleGrey * std::numbers::pi * area / power : 1.0;
+}
+
+double tone_curve(api::ToneMap tone_map, double exposed) {
+  if (tone_map == api::ToneMap::clip) return std::min(exposed, 1.0);
+  static const double scale = grey_keeping_scale();
+  return std::min(hable(std::min(scale * exposed, kWhite)) / hable(kWhite), 1.0);
+}
+
+double srgb_encode(double light) {
+  return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+}
+
+DisplayTable::DisplayTable(api::ToneMap tone_map, double exposure_factor)
+    : factor_(static_cast<float>(exposure_factor)), encoded_(kPoints) {
+  for (std::uint32_t i = 0; i < kPoints; ++i) {
+    const auto exposed = std::bit_cast<float>((kFirstIndex + i) << kFractionBits);
+    encoded_[i] = static_cast<float>(255 * srgb_encode(tone_curve(tone_map, exposed)));
+  }
+}
+
+std::uint8_t DisplayTable::operator()(float radiance) const {
+  const float exposed = radiance * factor_;
+  float value = 0;
+  if (exposed >= kHighest) {
+    value = encoded_.back();
+  } else if (exposed >= kLowest) {
+    const auto bits = std::bit_cast<std::uint32_t>(exposed);
+    const std::uint32_t i = (bits >> kFractionBits) - kFirstIndex;
+    const auto fraction = static_cast<float>(bits & ((1u << kFractionBits) - 1)) * 0x1p-16f;
+    value = encoded_[i] + fraction * (encoded_[i + 1] - encoded_[i]);
+  } else if (exposed > 0) {  // not NaN, not negative: proportional to the first point
+    value = encoded_[0] * (exposed / kLowest);
+  }
+  return static_cast<std::uint8_t>(value + 0.5f);
+}
+
+}  // namespace engine

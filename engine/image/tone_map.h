@@ -1,0 +1,47 @@
+// Radiance -> what a screen shows: exposure, tone curve, sRGB.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "api/image_options.h"
+#include "engine/animation/animation.h"
+#include "engine/base/rgb.h"
+#include "engine/lighting/radiosity.h"
+#include "engine/patches/patches.h"
+
+namespace engine {
+
+/// The factor on radiance that shows a sequence's mean in middle grey, the same for all of its frames:
+///
+///     factor = 0.18 pi / mean B            mean B = sum A_i Y(B_if) / sum A_i        [W/m^2]
+///
+/// over all frames f and all patches i that emit in no frame; Y = 0.2126 R + 0.7152 G + 0.0722 B, the
+/// luminance of Rec. 709. 0.18 is the reflectance of the photographer's grey card. 1 where all is dark.
+double auto_exposure_factor(const Patches& patches, const Animation& animation,
+                            const PatchSeries& radiosity_w_m2);
+
+/// Exposed radiance (>= 0) -> display light, 0 .. 1. Both show 0.18 as 0.18.
+///   clip:   min(x, 1).
+///   filmic: h(k x) / h(11.2), h(x) = (x (A x + C B) + D E) / (x (A x + B) + D F) - E / F with A .15, B .50,
+///           C .10, D .20, E .02, F .30, limited to 1; white is reached at k x = 11.2. k is such that middle
+///           grey stays. Per channel, so bright saturated colours turn towards white.
+///           Source: J. Hable, "Uncharted 2: HDR Lighting", Game Developers Conference 2010.
+double tone_curve(api::ToneMap tone_map, double exposed);
+
+/// Display light 0 .. 1 -> sRGB value 0 .. 1. Source: IEC 61966-2-1.
+double srgb_encode(double light);
+
+/// Radiance -> 8 bits per channel: round(255 srgb_encode(tone_curve(factor x radiance))), from a table that
+/// deviates by less than 1e-4 of full scale. Negative and NaN radiance is black.
+class DisplayTable {
+ public:
+  DisplayTable(api::ToneMap tone_map, double exposure_factor);
+  std::uint8_t operator()(float radiance) const;
+
+ private:
+  float factor_;
+  std::vector<float> encoded_;  ///< 0 .. 255 at the table's points, see the .cpp
+};
+
+}  // namespace engine
