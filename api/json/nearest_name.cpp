@@ -48,7 +48,7 @@ std::string suggestion(std::string_view given, std::span<const std::string_view>
   std::string text = names.size() == 1 ? "; expected " : "; expected one of ";
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i > 0) text += ", ";
-    text += "\"" + std::string(names[i]) + "\"";
+    text.append(1, '"').append(names[i]).append(1, '"');
   }
   return text;
 }

@@ -107,11 +107,10 @@ JobReport read_job_report(const Node& root) {
     std::string name;
     take_string(node, "stage", name);
     const auto seconds = required(node, "seconds");
-    const auto value = seconds ? number(*seconds, kNotNegative) : std::nullopt;
-    if (const auto stage = stage_named(name); stage && value)
-      report.stage_seconds.emplace_back(*stage, *value);
-    else if (!stage)
-      add_violation(node, "stage", "unknown_value", "is not a stage");
+    const auto stage = stage_named(name);
+    if (!stage) add_violation(node, "stage", "unknown_value", "is not a stage");
+    if (stage && seconds)
+      report.stage_seconds.emplace_back(*stage, number(*seconds, kNotNegative).value_or(0));
   });
   each(root, "counts", 1000, [&](const Node& node) {
     std::string name;

@@ -124,9 +124,12 @@ class StrictCheck final : public nlohmann::json_sax<ParsedJson> {
   std::string pointer(std::size_t ahead) const {
     std::string text;
     for (const Level& level : levels_) {
+      if (level.is_object) {
+        text += pointer_step(level.name);
+        continue;
+      }
       const bool innermost = &level == &levels_.back();
-      text += level.is_object ? pointer_step(level.name)
-                              : "/" + std::to_string(level.begun + (innermost ? ahead : 0) - 1);
+      text.append(1, '/').append(std::to_string(level.begun + (innermost ? ahead : 0) - 1));
     }
     return text;
   }
