@@ -1,4 +1,4 @@
-#include "engine/image/texture/texture_mean.h"
+#include "engine/image/texture_mean.h"
 
 #include <OpenImageIO/imageio.h>
 
