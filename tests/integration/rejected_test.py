@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Bad input: 422 with every place to fix, nothing left on disk, and the queue goes on."""
+import json
+import socket
+import unittest
+
+from curl import curl
+from service import ServiceTestCase
+from small_jobs import EXAMPLES, write_job
+
+
+class Rejected(ServiceTestCase):
+    def setUp(self):
+        super().setUp()
+        self.running = self.service()
+
+    def files(self):
+        """What lies in the data folder, the database aside."""
+        return sorted(path.relative_to(self.running.data).as_posix() for path in self.running.data.rglob("*")
+                      if path.is_file() and not path.name.startswith("keylume.db") and path.name != "LOCK")
+
+    def expect_refused(self, answer, what):
+        self.assertEqual(answer.status, 422, f"{what}: {answer.body.decode(errors='replace')}")
+        self.assertEqual(answer.headers["content-type"], "application/problem+json", what)
+        problem = answer.json()
+        self.assertEqual(problem["status"], 422, what)
+        self.assertTrue(1 <= len(problem["errors"]) <= 20, f"{what}: {problem}")
+        self.assertEqual(self.files(), [], f"{what}: something is left on disk")
+        return problem["errors"]
+
+    def expect_the_queue_goes_on(self):
+        job_id = self.submitted(self.running, write_job(self.folder / "good", frames=2))
+        self.running.wait_for(job_id, ["succeeded"], 120)
+        self.assertEqual([job["id"] for job in self.running.get("/v1/jobs").json()["jobs"]], [job_id])
+
+    def test_every_rejected_example(self):
+        folders = sorted(path for path in (EXAMPLES / "rejected").iterdir() if path.is_dir())
+        self.assertGreater(len(folders), 10)
+        for folder in folders:
+            with self.subTest(example=folder.name):
+                expected = json.loads((folder / "expected.json").read_text())
+                errors = self.expect_refused(self.running.submit(folder), folder.name)
+                self.assertEqual(len(errors), len(expected["errors"]), errors)
+                for wanted, found in zip(expected["errors"], errors):
+                    self.assertEqual({name: found.get(name) for name in wanted}, wanted)
+        self.expect_the_queue_goes_on()
+
+    def test_json_nested_100000_deep(self):
+        for name, text in (("arrays", "[" * 100_000), ("closed arrays", "[" * 100_000 + "]" * 100_000),
+                           ("objects", '{"a":' * 100_000)):
+            with self.subTest(name):
+                job = write_job(self.folder / name, frames=2)
+                (job / "animation.json").write_text(text)
+                errors = self.expect_refused(self.running.submit(job), name)
+                self.assertEqual([error["code"] for error in errors], ["too_deep"])
+        self.expect_the_queue_goes_on()
+
+    def test_json_cut_off_anywhere(self):
+        job = write_job(self.folder / "cut", frames=2)
+        whole = (job / "animation.json").read_bytes()
+        for length in (0, 1, len(whole) // 2, len(whole) - 1):
+            with self.subTest(length=length):
+                (job / "animation.json").write_bytes(whole[:length])
+                errors = self.expect_refused(self.running.submit(job), f"{length} bytes")
+                self.assertEqual(errors[0]["file"], "animation.json")
+
+    def test_a_request_that_is_no_job_at_all(self):
+        url = self.running.url + "/v1/jobs"
+        job = write_job(self.folder / "job", frames=2)
+        scene, animation = f"scene=@{job / 'scene.obj'}", f"animation=@{job / 'animation.json'}"
+        for what, arguments, allowed in (
+                ("no scene", ["-F", animation], (400, 422)),
+                ("no animation", ["-F", scene], (400, 422)),
+                ("scene twice", ["-F", scene, "-F", scene, "-F", animation], (400, 422)),
+                ("an unknown part", ["-F", scene, "-F", animation, "-F", "else=1"], (400, 422)),
+                ("JSON instead of parts", ["-H", "Content-Type: application/json", "-d", "{}"], (415,)),
+                ("no body", ["-X", "POST"], (400, 411, 415))):
+            with self.subTest(what):
+                answer = curl(url, *arguments)
+                self.assertIn(answer.status, allowed, answer.body.decode(errors="replace"))
+                self.assertEqual(answer.headers["content-type"], "application/problem+json")
+                self.assertEqual(self.files(), [])
+        self.expect_the_queue_goes_on()
+
+    def test_an_upload_that_breaks_off_leaves_nothing(self):
+        head = ("POST /v1/jobs HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1000000\r\n"
+                "Content-Type: multipart/form-data; boundary=edge\r\n\r\n"
+                '--edge\r\nContent-Disposition: form-data; name="scene"; filename="scene.obj"\r\n\r\nv 0 0 0\n')
+        with socket.create_connection(("127.0.0.1", self.running.port), timeout=20) as connection:
+            connection.sendall(head.encode())
+            connection.shutdown(socket.SHUT_WR)
+            connection.recv(65536)
+        self.expect_the_queue_goes_on()
+        self.assertFalse([path for path in self.files() if path.startswith("tmp/")])
+
+    def test_file_names_of_parts_do_not_lead_outside(self):
+        job = write_job(self.folder / "job", frames=2)
+        material = next(job.glob("*.mtl"))
+        outside = self.folder / "escaped.mtl"
+        answer = curl(self.running.url + "/v1/jobs", "-F", f"scene=@{job / 'scene.obj'}",
+                      "-F", f"animation=@{job / 'animation.json'}",
+                      "-F", f"materials=@{material};filename=../../../escaped.mtl",
+                      "-F", f"materials=@{material};filename={outside}")
+        self.assertIn(answer.status, (400, 422), answer.body.decode(errors="replace"))
+        self.assertFalse(outside.exists())
+        self.assertEqual(list(self.folder.rglob("escaped.mtl")), [])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

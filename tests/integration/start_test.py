@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+"""What keeps a server from starting, and how it ends."""
+import subprocess
+import unittest
+
+from service import Service, ServiceTestCase
+from small_jobs import write_job
+
+
+class Start(ServiceTestCase):
+    def refusal(self, command):
+        run = subprocess.run(command, capture_output=True, text=True, timeout=20, stdin=subprocess.DEVNULL)
+        self.assertGreater(run.returncode, 0, run.stderr)
+        return run.stdout + run.stderr
+
+    def test_a_second_server_on_the_same_data_is_refused(self):
+        first = self.service()
+        second = Service(first.data)
+        self.assertIn(str(first.data), self.refusal(second.command()))
+        self.assertEqual(first.get("/healthz").status, 200, "the first goes on")
+
+    def test_a_taken_port_is_named(self):
+        first = self.service()
+        second = Service(self.folder / "other")
+        second.port = first.port
+        self.assertIn(str(first.port), self.refusal(second.command()))
+
+    def test_sigterm_ends_it_with_0_and_its_worker_too(self):
+        service = self.service()
+        job_id = self.submitted(service, write_job(self.folder / "job", frames=16, line_count=3_000_000))
+        service.wait_for(job_id, ["running"], 20)
+        self.assertEqual(service.stop(), 0)
+        self.assertEqual(service.worker_pids(), [])
+
+    def test_jobs_outlive_a_restart(self):
+        service = self.service()
+        job_id = self.submitted(service, write_job(self.folder / "job", frames=2))
+        finished = service.wait_for(job_id, ["succeeded"], 120)
+        service.stop()
+        service.start()
+        self.assertEqual(service.job(job_id), finished)
+        self.assertEqual(service.get(f"/v1/jobs/{job_id}/frames/1/image.png").status, 200)
+
+    def test_a_wrong_command_line_is_refused(self):
+        service = Service(self.folder / "data")
+        self.refusal([*service.command(), "--no-such-option"])
+        self.refusal([service.command()[0]])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
