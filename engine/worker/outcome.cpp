@@ -18,8 +18,9 @@ std::string_view outcome_name(const api::Status& status) {
 }
 
 bool means_full_disk(const std::error_code& code) {
-  return code == std::errc::no_space_on_device ||
-         code == std::error_condition(EDQUOT, std::generic_category());
+  // Compared by number: std::errc has no name for EDQUOT, so the system's category does not map it.
+  return (code.category() == std::generic_category() || code.category() == std::system_category()) &&
+         (code.value() == ENOSPC || code.value() == EDQUOT);
 }
 
 }  // namespace

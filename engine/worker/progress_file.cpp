@@ -86,7 +86,8 @@ void ProgressFile::write_newest() {
   unwritten_ = false;
   last_written_ = Clock::now();
   // A leading newline ends a line that a crash or a full disk cut off.
-  const std::string line = (at_line_start_ ? "" : "\n") + api::progress_line_json(*newest_) + '\n';
+  std::string line(at_line_start_ ? "" : "\n");
+  line += api::progress_line_json(*newest_) + '\n';
   ssize_t written = -1;
   do written = write(file_, line.data(), line.size());
   while (written < 0 && errno == EINTR);

@@ -19,7 +19,7 @@ struct AJobFolder {
     std::string name = (std::filesystem::temp_directory_path() / "keylume-worker-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
     path = name;
-    write("input/animation.json", R"({"frames": 2})");
+    write("input/animation.json", R"({"frames": {"count": 2}})");
   }
   AJobFolder(const AJobFolder&) = delete;
   ~AJobFolder() {

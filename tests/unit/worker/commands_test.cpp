@@ -105,7 +105,7 @@ TEST_F(Render, WhatThePipelineThrowsIsReported) {
 }
 
 TEST_F(Render, ABadAnimationIsInvalidInputAndThePipelineDoesNotRun) {
-  folder_.write("input/animation.json", R"({"frames": 2, "freames": 3})");
+  folder_.write("input/animation.json", R"({"frames": {"count": 2}, "freames": 3})");
   EXPECT_EQ(run_and_return(api::Done{}), ExitCode::invalid_input);
   EXPECT_FALSE(ran_);
   ASSERT_EQ(report().violations.size(), 1u);

@@ -118,7 +118,7 @@ TEST_F(ReadJobRequest, AMissingFileIsAViolation) {
 }
 
 TEST_F(ReadJobRequest, AFileOfTheLargestSizeIsReadAndOneByteMoreIsRefused) {
-  std::string bytes = R"({"frames": 3})";
+  std::string bytes = R"({"frames": {"count": 3}})";
   bytes.resize(api::kAnimationBytesMax, ' ');
   folder_.write("input/animation.json", bytes);
   const auto request = read();
