@@ -18,8 +18,8 @@ struct ProgressPace {
   /// Lines of one stage are at least this far apart; of those in between the newest is written when the time
   /// has come. A new stage is written at once.
   std::chrono::milliseconds apart{100};
-  /// After this long without a line the newest is repeated.
-  std::chrono::milliseconds heartbeat{5000};
+  /// After this long without a line the newest is repeated. Readers may take 5 s of silence for death.
+  std::chrono::milliseconds heartbeat{4000};
 };
 
 /// Appends whole lines, each in one write. Later attempts append to the lines of earlier ones; where one

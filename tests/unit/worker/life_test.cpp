@@ -1,7 +1,9 @@
 // How a worker's process lives and dies: real processes, real signals.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <signal.h>
+#include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -198,6 +200,22 @@ TEST_F(WorkerLife, AWorkerStartedByHandKeepsItsPriority) {
   EXPECT_NE(folder_.read("artefacts/process").find("no_new_privs 1\ncore 0\numask 23\nnice 0\n"),
             std::string::npos)
       << folder_.read("artefacts/process");
+}
+
+TEST_F(WorkerLife, AFullDiskHasAnExitCodeOfItsOwn) {
+  constexpr int kMayNotMount = 77;
+  const pid_t worker = fork();
+  if (worker == 0) {  // with mounts of its own: the job's folder becomes a disk of 512 KiB
+    if (unshare(CLONE_NEWNS) != 0 && unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0) _exit(kMayNotMount);
+    mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
+    if (mount("tmpfs", folder().c_str(), "tmpfs", 0, "size=512k") != 0) _exit(kMayNotMount);
+    folder_.write("input/animation.json", "{}");
+    become_worker({"fill_the_disk", "render", folder()}, null_);
+  }
+  started_.push_back(worker);
+  const std::string end = end_of(worker);
+  if (end == "exit " + std::to_string(kMayNotMount)) GTEST_SKIP() << "no right to mount a small disk here";
+  EXPECT_EQ(end, exit_with(ExitCode::disk_full));
 }
 
 TEST_F(WorkerLife, ACheckThatUsesUpItsProcessorTimeIsLimitExceededWithAReport) {

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/output/artefacts.h"
 #include "engine/worker/commands.h"
 
 namespace {
@@ -43,6 +44,13 @@ api::Status swallow_memory(const engine::RunHooks&, const std::filesystem::path&
   for (;;) all.emplace_back(1u << 20, 'x');
 }
 
+api::Status fill_the_disk(const engine::RunHooks&, const std::filesystem::path& artefacts) {
+  for (int i = 0;; ++i)
+    if (const auto written = engine::write_file(artefacts / std::to_string(i), std::string(65536, 'x'));
+        !written)
+      return written;
+}
+
 /// What this process is among others, as `key value` lines in artefacts/process.
 api::Status describe_process(const engine::RunHooks&, const std::filesystem::path& artefacts) {
   std::ofstream out(artefacts / "process");
@@ -64,6 +72,7 @@ const std::map<std::string, Behaviour> kBehaviours{{"stop_when_told", stop_when_
                                                    {"never_listen", never_listen},
                                                    {"burn", burn},
                                                    {"swallow_memory", swallow_memory},
+                                                   {"fill_the_disk", fill_the_disk},
                                                    {"describe_process", describe_process}};
 
 }  // namespace
