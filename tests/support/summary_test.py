@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""The closing lines of tests/run count what ctest's result files say."""
+import contextlib
+import io
+import tempfile
+import unittest
+from pathlib import Path
+
+import summary
+
+PASSED = '<testcase name="good" status="run" time="1.5"/>'
+FAILED = '<testcase name="bad" status="fail" time="0.5"><failure message=""/></testcase>'
+SKIPPED = '<testcase name="absent" status="notrun" time="0"><skipped message="SKIP_RETURN_CODE=77"/></testcase>'
+
+
+class Summary(unittest.TestCase):
+    def run_on(self, **cases_of_label):
+        with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()) as output:
+            for label, cases in cases_of_label.items():
+                if cases is not None:
+                    Path(folder, f"{label}.xml").write_text(f"<testsuite>{cases}</testsuite>")
+            code = summary.main(folder, list(cases_of_label))
+        return code, output.getvalue()
+
+    def test_all_passed(self):
+        code, output = self.run_on(unit=PASSED * 2, accuracy=PASSED)
+        self.assertEqual((code, output.splitlines()[-1]), (0, "3 passed, 0 failed"))
+
+    def test_a_failure_is_named_and_counted(self):
+        code, output = self.run_on(unit=PASSED + FAILED)
+        self.assertEqual((code, output.splitlines()[-1]), (1, "1 passed, 1 failed"))
+        self.assertIn("failed:  bad", output)
+
+    def test_what_is_skipped_is_named_and_has_not_passed(self):
+        code, output = self.run_on(conventions=PASSED + SKIPPED)
+        self.assertEqual((code, output.splitlines()[-1]), (0, "1 passed, 0 failed, 1 skipped"))
+        self.assertIn("skipped: absent", output)
+
+    def test_no_test_at_all_is_a_failure(self):
+        self.assertEqual(self.run_on(unit="")[0], 1)
+        self.assertEqual(self.run_on(unit=SKIPPED)[0], 1)
+
+    def test_a_label_without_results_is_a_failure(self):
+        code, output = self.run_on(unit=PASSED, integration=None)
+        self.assertEqual((code, output.splitlines()[-1]), (1, "1 passed, 1 failed"))
+
+
+if __name__ == "__main__":
+    unittest.main()
