@@ -24,10 +24,9 @@ std::vector<std::string> animated_names(const api::SceneDescription& description
 void check_objects(const ObjFile& obj, const std::vector<std::string>& animated, Violations& all) {
   for (std::size_t i = 1; i < animated.size() && all.size() < api::kViolationsMax; ++i) {
     if (obj.animated_seen[i]) continue;
-    const std::string nearest = nearest_name(animated[i], obj.o_and_g_names);
     all.push_back({kAnimation, "/objects/" + pointer_step(animated[i]), 0, 0, "unknown_object",
                    "scene.obj has no object or group " + excerpt(animated[i]) +
-                       (nearest.empty() ? "" : "; did you mean '" + nearest + "'?")});
+                       did_you_mean(animated[i], obj.o_and_g_names)});
   }
 }
 
@@ -56,7 +55,7 @@ void check_light(const Scene& scene, const api::SceneDescription& description, V
     if (used[i] && emits(scene.materials[i], description)) return;
   all.push_back(
       {kAnimation, "", 0, 0, "no_light",
-       "nothing emits light in any frame: give a material 'exitance' in animation.json or Ke in its "
+       "nothing emits light in any frame: give a material 'exitance_w_m2' in animation.json or Ke in its "
        "MTL file, or set 'allow_dark'"});
 }
 

@@ -105,19 +105,24 @@ std::string pointer_step(std::string_view name) {
 
 std::string nearest_name(std::string_view name, std::span<const std::string> known) {
   if (name.size() > kComparedBytes) return {};
-  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
+  std::size_t best_distance = std::max<std::size_t>(2, name.size() / 3) + 1;
   std::string best;
   for (const std::string& candidate : known) {
     const std::size_t longer = std::max(candidate.size(), name.size());
     const std::size_t shorter = std::min(candidate.size(), name.size());
     if (candidate.empty() || candidate.size() > kComparedBytes || longer - shorter >= best_distance) continue;
     const std::size_t distance = edit_distance(name, candidate);
-    if (distance < best_distance) {
+    if (distance < best_distance && distance < candidate.size()) {
       best_distance = distance;
       best = candidate;
     }
   }
   return best;
+}
+
+std::string did_you_mean(std::string_view name, std::span<const std::string> known) {
+  const std::string nearest = nearest_name(name, known);
+  return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
 }
 
 }  // namespace engine

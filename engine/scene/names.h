@@ -17,8 +17,13 @@ std::string excerpt(std::string_view bytes);
 /// `name` as one step of a JSON pointer (RFC 6901): '~' and '/' escaped.
 std::string pointer_step(std::string_view name);
 
-/// The entry of `known` nearest to `name` by edit distance, at most a third of its length away; "" if none.
+/// The entry of `known` nearest to `name`, if no more than a third of its letters (but two at least) are
+/// wrong;
+/// "" if none.
 /// Entries over 100 bytes are passed over, to bound the work.
 std::string nearest_name(std::string_view name, std::span<const std::string> known);
+
+/// `; did you mean "lamp"?`, or "".
+std::string did_you_mean(std::string_view name, std::span<const std::string> known);
 
 }  // namespace engine

@@ -1,84 +1,21 @@
 #include "engine/scene/resolve_materials.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <numbers>
 #include <set>
 
-#include "engine/scene/mtl_file.h"
+#include "engine/scene/mtl_library.h"
 
 namespace engine {
 namespace {
 
 constexpr const char* kObj = "scene.obj";
 constexpr const char* kAnimation = "animation.json";
-constexpr float kDefaultReflectance = 0.5f;
+constexpr Rgb kDefaultReflectance{0.5f, 0.5f, 0.5f};
 constexpr double kRadianceMax = 1e12;  // its sums still fit single precision
-
-using Violations = std::vector<api::Violation>;
-
-/// Where the files lie that an mtllib names: the whole rest of the line is one name with spaces, or several.
-std::vector<NamedPlace> library_names(const NamedPlace& library, const InputFiles& files) {
-  if (find_input_file(files, library.name)) return {library};
-  std::vector<NamedPlace> names;
-  Tokens words(Statement{library.name, library.line});
-  for (Token word; words.next(word);)
-    names.push_back({std::string(word.text), library.line, library.column + word.column - 1});
-  return names;
-}
-
-/// Every material of every MTL file, by name. `complete` is false when a file is missing or wrong.
-struct Library {
-  std::map<std::string, MtlMaterial> materials;
-  bool complete = true;
-};
-
-api::Status read_library(const std::filesystem::path& path, const SceneLimits& limits, Violations& all,
-                         std::vector<std::string>& warnings, Library& library) {
-  FileViolations violations{utf8_name(path.filename().string()), all};
-  IgnoredStatements ignored;
-  std::vector<MtlMaterial> read;
-  const std::size_t before = all.size();
-  if (const auto status = read_mtl_file(path, limits, violations, ignored, read); !status) return status;
-  if (all.size() > before) library.complete = false;
-  ignored.report(violations.file, warnings);
-  for (MtlMaterial& material : read) {
-    const std::string name = material.name.name;
-    const std::uint32_t line = material.name.line;
-    if (!library.materials.try_emplace(name, std::move(material)).second)
-      warnings.push_back(violations.file + ": line " + std::to_string(line) + ": material " + excerpt(name) +
-                         " is defined before; the first definition counts");
-  }
-  return api::Done{};
-}
-
-api::Result<Library> read_libraries(const ObjFile& obj, const InputFiles& files, const SceneLimits& limits,
-                                    Violations& all, std::vector<std::string>& warnings) {
-  Library library;
-  FileViolations obj_violations{kObj, all};
-  std::set<std::filesystem::path> read;
-  for (const NamedPlace& line : obj.libraries) {
-    for (const NamedPlace& name : library_names(line, files)) {
-      const auto path = find_input_file(files, name.name);
-      if (!path) {
-        library.complete = false;
-        obj_violations.add(
-            name.line, name.column, "missing_file",
-            "material file " + excerpt(base_name(name.name)) + " is not among the job's files");
-      } else if (read.insert(*path).second) {
-        if (const auto status = read_library(*path, limits, all, warnings, library); !status)
-          return status.error();
-      }
-    }
-  }
-  return library;
-}
-
-std::string did_you_mean(const std::string& name, const std::vector<std::string>& known) {
-  const std::string nearest = nearest_name(name, known);
-  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
-}
 
 std::string text_of(double value) {
   char text[32];
@@ -86,64 +23,127 @@ std::string text_of(double value) {
   return text;
 }
 
-/// What the MTL says of reflectance, texture included.
-api::Result<Rgb> mtl_reflectance(const MtlMaterial& mtl, const InputFiles& files, const SceneLimits& limits,
-                                 const TextureMean& texture_mean, Violations& all,
-                                 std::vector<std::string>& warnings) {
-  FileViolations violations{mtl.file, all};
-  const std::string remedy =
-      "set /materials/" + pointer_step(mtl.name.name) + "/reflectance in animation.json";
+/// Given as below 1, but single precision may round it up.
+Rgb reflectance_of(const api::Vec3& rho) {
+  const float below_one = std::nextafter(1.0f, 0.0f);
+  const auto channel = [&](int i) { return std::min(static_cast<float>(rho[i]), below_one); };
+  return {channel(0), channel(1), channel(2)};
+}
+
+class MaterialResolver {
+ public:
+  MaterialResolver(const InputFiles& files, const SceneLimits& limits, const TextureMean& texture_mean,
+                   std::vector<api::Violation>& violations, std::vector<std::string>& warnings)
+      : files_(files),
+        limits_(limits),
+        texture_mean_(texture_mean),
+        violations_(violations),
+        warnings_(warnings) {}
+
+  api::Result<Rgb> reflectance(const MtlMaterial& mtl);
+  Rgb exitance(const MtlMaterial& mtl);
+
+ private:
+  api::Result<MtlColour> texture(const MtlMaterial& mtl);
+  void warn(const MtlMaterial& mtl, const std::string& what) {
+    warnings_.push_back(mtl.file + ": material " + excerpt(mtl.name.name) + what);
+  }
+
+  const InputFiles& files_;
+  const SceneLimits& limits_;
+  const TextureMean& texture_mean_;
+  std::vector<api::Violation>& violations_;
+  std::vector<std::string>& warnings_;
+  std::map<std::filesystem::path, api::Result<Rgb>> means_;  ///< a texture of many materials is read once
+};
+
+std::string remedy(const MtlMaterial& mtl) {
+  return "set /materials/" + pointer_step(mtl.name.name) + "/reflectance in animation.json";
+}
+
+/// The mean of map_Kd, placed where map_Kd stands; black after a violation.
+api::Result<MtlColour> MaterialResolver::texture(const MtlMaterial& mtl) {
+  const NamedPlace& map = mtl.map_kd;
+  const std::string name = excerpt(base_name(map.name));
+  const auto path = find_input_file(files_, map.name);
+  if (!path) {
+    FileViolations{mtl.file, violations_}.add(
+        map.line, map.column, "missing_file",
+        "texture " + name + " is not among the job's files; send it, or " + remedy(mtl));
+    return MtlColour{};
+  }
+  auto known = means_.find(*path);
+  if (known == means_.end())
+    known = means_.emplace(*path, texture_mean_(*path, limits_.texture_pixels)).first;
+  const api::Result<Rgb>& mean = known->second;
+  if (!mean && mean.error().fault == api::Fault::internal) return mean.error();
+  if (!mean) {
+    FileViolations{mtl.file, violations_}.add(map.line, map.column, "unreadable_texture",
+                                              name + ": " + mean.error().message);
+    return MtlColour{};
+  }
+  warn(mtl, ": texture " + name + " is reduced to its mean reflectance, " + text_of(mean->r) + " " +
+                text_of(mean->g) + " " + text_of(mean->b) + " (linear)");
+  return MtlColour{mean->r, mean->g, mean->b, map.line, map.column};
+}
+
+api::Result<Rgb> MaterialResolver::reflectance(const MtlMaterial& mtl) {
   MtlColour kd = mtl.kd;
   if (mtl.map_kd.line > 0) {
-    const std::string texture = excerpt(base_name(mtl.map_kd.name));
-    const auto path = find_input_file(files, mtl.map_kd.name);
-    const auto add = [&](std::string code, std::string detail) {
-      violations.add(mtl.map_kd.line, mtl.map_kd.column, std::move(code), std::move(detail));
-      return Rgb{};
-    };
-    if (!path)
-      return add("missing_file",
-                 "texture " + texture + " is not among the job's files; send it, or " + remedy);
-    const auto mean = texture_mean(*path, limits.texture_pixels);
-    if (!mean && mean.error().fault == api::Fault::internal) return mean.error();
-    if (!mean) return add("unreadable_texture", texture + ": " + mean.error().message);
-    kd = {mean->r, mean->g, mean->b, mtl.map_kd.line, mtl.map_kd.column};
-    warnings.push_back(mtl.file + ": material " + excerpt(mtl.name.name) + ": texture " + texture +
-                       " is reduced to its mean reflectance, " + text_of(kd.r) + " " + text_of(kd.g) + " " +
-                       text_of(kd.b) + " (linear)");
+    const auto mean = texture(mtl);
+    if (!mean) return mean.error();
+    kd = *mean;
   } else if (kd.line == 0) {
-    warnings.push_back(mtl.file + ": material " + excerpt(mtl.name.name) + " has no Kd; it reflects half");
-    return Rgb{kDefaultReflectance, kDefaultReflectance, kDefaultReflectance};
+    warn(mtl, " has no Kd; it reflects half");
+    return kDefaultReflectance;
   }
   const auto [low, high] = std::minmax({kd.r, kd.g, kd.b});
-  const Rgb reflectance{static_cast<float>(kd.r), static_cast<float>(kd.g), static_cast<float>(kd.b)};
-  if (low < 0 || max_channel(reflectance) >= 1)
-    violations.add(kd.line, kd.column, "out_of_range",
-                   "material " + excerpt(mtl.name.name) + " reflects " + text_of(low < 0 ? low : high) +
-                       "; a reflectance is at least 0 and below 1. Change it, or " + remedy);
-  return reflectance;
+  const Rgb rgb{static_cast<float>(kd.r), static_cast<float>(kd.g), static_cast<float>(kd.b)};
+  if (low < 0 || max_channel(rgb) >= 1)
+    FileViolations{mtl.file, violations_}.add(
+        kd.line, kd.column, "out_of_range",
+        "material " + excerpt(mtl.name.name) + " reflects " + text_of(low < 0 ? low : high) +
+            "; a reflectance is at least 0 and below 1. Change it, or " + remedy(mtl));
+  return rgb;
 }
 
-Rgb mtl_exitance(const MtlMaterial& mtl, Violations& all) {
+Rgb MaterialResolver::exitance(const MtlMaterial& mtl) {
   const auto [low, high] = std::minmax({mtl.ke.r, mtl.ke.g, mtl.ke.b});
   if (low < 0 || high > kRadianceMax)
-    FileViolations{mtl.file, all}.add(mtl.ke.line, mtl.ke.column, "out_of_range",
-                                      "material " + excerpt(mtl.name.name) + " emits " +
-                                          text_of(low < 0 ? low : high) + "; radiance is 0 .. 1e12");
-  const auto exitance = [](double radiance) { return static_cast<float>(std::numbers::pi * radiance); };
-  return {exitance(mtl.ke.r), exitance(mtl.ke.g), exitance(mtl.ke.b)};
+    FileViolations{mtl.file, violations_}.add(mtl.ke.line, mtl.ke.column, "out_of_range",
+                                              "material " + excerpt(mtl.name.name) + " emits " +
+                                                  text_of(low < 0 ? low : high) +
+                                                  "; a radiance is 0 .. 1e12");
+  const auto channel = [](double radiance) { return static_cast<float>(std::numbers::pi * radiance); };
+  return {channel(mtl.ke.r), channel(mtl.ke.g), channel(mtl.ke.b)};
 }
 
-Rgb rgb_of(const api::Vec3& value) {
-  return {static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2])};
+/// What animation.json gives replaces what the MTL says, which then is not looked at.
+api::Result<Material> material_of(const NamedPlace& use, const MtlMaterial* mtl,
+                                  const api::MaterialSettings& given, MaterialResolver& resolver) {
+  Material material{use.name, kDefaultReflectance, {}, given.sides != api::Sides::front};
+  if (given.reflectance) {
+    material.reflectance = reflectance_of(*given.reflectance);
+  } else if (mtl) {
+    const auto reflectance = resolver.reflectance(*mtl);
+    if (!reflectance) return reflectance.error();
+    material.reflectance = *reflectance;
+  }
+  if (given.exitance_w_m2.given()) {
+    const api::Vec3& first = given.exitance_w_m2.keys.front().value;
+    material.exitance_w_m2 = {static_cast<float>(first[0]), static_cast<float>(first[1]),
+                              static_cast<float>(first[2])};
+  } else if (mtl) {
+    material.exitance_w_m2 = resolver.exitance(*mtl);
+  }
+  return material;
 }
 
 /// Names in animation.json that no polygon can have.
-void check_description(const ObjFile& obj, const Library& library, const api::SceneDescription& description,
-                       Violations& all, std::vector<std::string>& warnings) {
-  std::vector<std::string> known;
+void check_description(const ObjFile& obj, const MtlLibrary& library, const std::vector<std::string>& known,
+                       const api::SceneDescription& description, std::vector<api::Violation>& all,
+                       std::vector<std::string>& warnings) {
   std::set<std::string> used;
-  for (const auto& [name, material] : library.materials) known.push_back(name);
   for (const NamedPlace& material : obj.materials) used.insert(material.name);
   for (const auto& [name, settings] : description.materials) {
     if (used.contains(name)) continue;
@@ -161,45 +161,34 @@ void check_description(const ObjFile& obj, const Library& library, const api::Sc
 api::Result<std::vector<Material>> resolve_materials(const ObjFile& obj, const InputFiles& files,
                                                      const api::SceneDescription& description,
                                                      const SceneLimits& limits,
-                                                     const TextureMean& texture_mean, Violations& violations,
+                                                     const TextureMean& texture_mean,
+                                                     std::vector<api::Violation>& violations,
                                                      std::vector<std::string>& warnings) {
-  const auto library = read_libraries(obj, files, limits, violations, warnings);
+  const auto library = read_mtl_library(obj, files, limits, violations, warnings);
   if (!library) return library.error();
   std::vector<std::string> known;
   for (const auto& [name, material] : library->materials) known.push_back(name);
 
+  MaterialResolver resolver(files, limits, texture_mean, violations, warnings);
   std::vector<Material> materials;
   for (const NamedPlace& use : obj.materials) {
-    Material material{use.name, {kDefaultReflectance, kDefaultReflectance, kDefaultReflectance}, {}, true};
-    const auto settings = description.materials.find(use.name);
-    const bool is_set = settings != description.materials.end();
     const auto mtl = library->materials.find(use.name);
-    if (mtl != library->materials.end()) {
-      if (!is_set || !settings->second.reflectance) {
-        const auto reflectance =
-            mtl_reflectance(mtl->second, files, limits, texture_mean, violations, warnings);
-        if (!reflectance) return reflectance.error();
-        material.reflectance = *reflectance;
-      }
-      if (!is_set || !settings->second.exitance_w_m2.given())
-        material.exitance_w_m2 = mtl_exitance(mtl->second, violations);
-    } else if (use.line == 0) {
+    const bool is_defined = mtl != library->materials.end();
+    if (use.line == 0)
       warnings.push_back(std::string(kObj) + ": faces before any usemtl get a material that reflects half");
-    } else if (library->complete) {
+    else if (!is_defined && library->complete)
       FileViolations{kObj, violations}.add(use.line, use.column, "unknown_material",
                                            "no MTL file has the material " + excerpt(use.name) +
                                                (obj.libraries.empty() ? "; the OBJ has no 'mtllib'" : "") +
                                                did_you_mean(use.name, known));
-    }
-    if (is_set) {
-      const api::MaterialSettings& given = settings->second;
-      if (given.reflectance) material.reflectance = rgb_of(*given.reflectance);
-      if (given.exitance_w_m2.given()) material.exitance_w_m2 = rgb_of(given.exitance_w_m2.keys[0].value);
-      if (given.sides) material.both_sides = *given.sides == api::Sides::both;
-    }
-    materials.push_back(std::move(material));
+    const auto settings = description.materials.find(use.name);
+    const bool is_set = settings != description.materials.end();
+    auto material = material_of(use, is_defined ? &mtl->second : nullptr,
+                                is_set ? settings->second : api::MaterialSettings{}, resolver);
+    if (!material) return material.error();
+    materials.push_back(std::move(*material));
   }
-  check_description(obj, *library, description, violations, warnings);
+  check_description(obj, *library, known, description, violations, warnings);
   return materials;
 }
 

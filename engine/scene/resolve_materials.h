@@ -13,7 +13,7 @@ namespace engine {
 
 /// One Material per entry of `obj.materials`, in that order. What animation.json gives wins over the MTL, and
 /// what it replaces is not checked. Violations are added to `violations`; then the answer is of no use.
-/// Error: as read_mtl_file and `texture_mean`.
+/// Error: as read_mtl_file; internal where `texture_mean` says so.
 api::Result<std::vector<Material>> resolve_materials(const ObjFile& obj, const InputFiles& files,
                                                      const api::SceneDescription& description,
                                                      const SceneLimits& limits,
