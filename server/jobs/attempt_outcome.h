@@ -1,0 +1,27 @@
+// How one attempt of a worker at a job ended, as the supervisor saw it.
+#pragma once
+
+#include <string>
+
+#include "server/store/job_rows.h"
+
+namespace server {
+
+enum class OutcomeKind {
+  done,            ///< says that every artefact is published; not yet believed
+  refused,         ///< the job itself is wrong: no other attempt
+  limit_exceeded,  ///< the job wants more than the limits allow: no other attempt
+  disk_full,       ///< another attempt when there is room; not the job's fault
+  server_stopped,  ///< we stopped it because the server ends; not the job's fault
+  lost,            ///< crashed, killed, stuck, or could not be started: counts as an attempt
+};
+
+struct AttemptOutcome {
+  OutcomeKind kind = OutcomeKind::lost;
+  std::string reason;   ///< stable word: "worker_crashed", "worker_stuck", ...
+  std::string message;  ///< for people: signal or exit code
+  AttemptEnd end;
+  std::string log_tail;  ///< the last of what the worker wrote
+};
+
+}  // namespace server

@@ -1,0 +1,102 @@
+#include "server/jobs/collect_results.h"
+
+#include "api/json/json_text.h"
+#include "api/json/reader.h"
+#include "server/artefacts/files.h"
+#include "server/artefacts/verify.h"
+
+namespace server {
+namespace {
+
+constexpr std::int64_t kManifestBytesMax = 64 << 20;
+constexpr std::int64_t kKeyFramesBytesMax = 8 << 20;
+constexpr std::int64_t kReportBytesMax = 1 << 20;
+constexpr std::size_t kArtefactsMax = 100'000;
+constexpr std::size_t kPathBytesMax = 512;
+constexpr std::uint64_t kFileBytesMax = std::uint64_t{1} << 50;
+constexpr std::size_t kSha256Digits = 64;
+constexpr std::string_view kManifest = "manifest.json";
+
+api::Result<std::vector<ArtefactFile>> parse_manifest(std::string_view bytes) {
+  api::JsonLimits limits;
+  limits.bytes = kManifestBytesMax;
+  const auto document = api::parse_json(bytes, kManifest, limits);
+  if (!document) return document.error();
+  api::Findings findings{std::string(kManifest), {}};
+  const api::Node root{&*document, "", &findings};
+  std::vector<ArtefactFile> files;
+  if (api::is_object_of(root, {"artefacts"})) {
+    const auto list = api::required(root, "artefacts");
+    if (list && api::is_array_of(*list, 0, kArtefactsMax)) {
+      for (std::size_t i = 0; i < list->json->size(); ++i) {
+        const api::Node entry = api::element(*list, i);
+        if (!api::is_object_of(entry, {"path", "media_type", "bytes", "sha256"})) continue;
+        const auto path = api::required(entry, "path");
+        const auto media_type = api::required(entry, "media_type");
+        const auto size = api::required(entry, "bytes");
+        const auto sha256 = api::required(entry, "sha256");
+        if (!path || !media_type || !size || !sha256) continue;
+        files.push_back({api::text(*path, kPathBytesMax).value_or(""), api::text(*media_type, 100).value_or(""),
+                         static_cast<std::int64_t>(api::whole(*size, 0, kFileBytesMax).value_or(0)),
+                         api::text(*sha256, kSha256Digits).value_or("")});
+      }
+    }
+  }
+  if (!findings.violations.empty()) return api::refusal(kManifest, std::move(findings.violations));
+  return files;
+}
+
+// The media type becomes a response header.
+bool is_media_type(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789/.+-") == text.npos;
+}
+
+api::Status check(const std::filesystem::path& folder, const std::vector<ArtefactFile>& files) {
+  std::vector<ClaimedFile> claims;
+  for (const ArtefactFile& file : files) {
+    if (!is_media_type(file.media_type))
+      return api::Error{api::Fault::invalid_request, "artefact '" + file.path + "' has a bad media type"};
+    claims.push_back({file.path, file.bytes, file.sha256});
+  }
+  return verify_files(folder, claims);
+}
+
+api::Result<api::KeyFrameReport> read_key_frames(const std::filesystem::path& folder, std::uint32_t frame_count) {
+  const auto bytes = read_below(folder, "key_frames.json", kKeyFramesBytesMax);
+  if (!bytes) return bytes.error();
+  auto report = api::parse_key_frame_report(*bytes);
+  if (!report) return report;
+  for (std::size_t i = 0; i < report->frames.size(); ++i)
+    if (report->frames[i].frame != i)
+      return api::Error{api::Fault::invalid_request, "key_frames.json: frames are not in order"};
+  if (report->frames.size() != frame_count)
+    return api::Error{api::Fault::invalid_request, "key_frames.json lists " +
+                                                       std::to_string(report->frames.size()) + " frames of " +
+                                                       std::to_string(frame_count)};
+  return report;
+}
+
+}  // namespace
+
+api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count) {
+  const std::filesystem::path folder = job_folder / "artefacts";
+  const auto manifest = read_below(folder, kManifest, kManifestBytesMax);
+  if (!manifest) return manifest.error();
+  auto files = parse_manifest(*manifest);
+  if (!files) return files.error();
+  if (const api::Status whole = check(folder, *files); !whole) return whole.error();
+  files->push_back({std::string(kManifest), "application/json", static_cast<std::int64_t>(manifest->size()),
+                    sha256_of(*manifest)});
+  auto key_frames = read_key_frames(folder, frame_count);
+  if (!key_frames) return key_frames.error();
+  return Results{std::move(*files), std::move(*key_frames)};
+}
+
+api::JobReport read_report(const std::filesystem::path& job_folder) {
+  const auto bytes = read_below(job_folder, "report.json", kReportBytesMax);
+  if (!bytes) return {};
+  auto report = api::parse_job_report(*bytes);
+  return report ? std::move(*report) : api::JobReport{};
+}
+
+}  // namespace server

@@ -1,0 +1,20 @@
+// Reads what a worker left in its job folder, believing nothing.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "api/job_report.h"
+#include "api/result.h"
+#include "server/store/job_rows.h"
+
+namespace server {
+
+/// artefacts/manifest.json and artefacts/key_frames.json of `job_folder`; every listed file is checked for size
+/// and SHA-256, and manifest.json is added to the list. Errors: invalid_request saying what is wrong.
+api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count);
+
+/// report.json, checked; none or a broken one: an empty report.
+api::JobReport read_report(const std::filesystem::path& job_folder);
+
+}  // namespace server

@@ -1,0 +1,88 @@
+// The part of JobService that decides what becomes of a job whose worker is dead.
+#include <utility>
+
+#include "server/jobs/collect_results.h"
+#include "server/jobs/job_service.h"
+
+namespace server {
+namespace {
+
+using api::Fault;
+using api::JobState;
+
+std::string with_log(const AttemptOutcome& outcome) {
+  if (outcome.log_tail.empty()) return outcome.message;
+  return outcome.message + "; its last words: " + outcome.log_tail;
+}
+
+}  // namespace
+
+bool JobService::still_wanted(const Lease& lease) {
+  const auto job = store_.leased_job(lease);
+  // A store that cannot be read for a moment is no reason to end a worker.
+  if (!job) return job.error().fault != Fault::wrong_state;
+  return job->state == JobState::running;
+}
+
+api::Status JobService::end_attempt(const Lease& lease, const AttemptOutcome& outcome) {
+  const auto job = store_.leased_job(lease);
+  if (!job) return job.error();
+  api::Status settled = settle(*job, lease, outcome);
+  if (settled || settled.error().fault != Fault::wrong_state) return settled;
+  // Somebody asked to cancel between our look and our step.
+  const auto again = store_.leased_job(lease);
+  if (!again) return again.error();
+  return settle(*again, lease, outcome);
+}
+
+api::Status JobService::settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
+  if (job.state == JobState::cancel_requested) return store_.finish_cancel(lease, outcome.end);
+  const StepReason why{outcome.reason, with_log(outcome)};
+  switch (outcome.kind) {
+    case OutcomeKind::done:
+      return succeed(job, lease, outcome);
+    case OutcomeKind::refused:
+    case OutcomeKind::limit_exceeded: {
+      const api::JobReport report = read_report(folder_.job(job.id));
+      const std::string message = report.message.empty() ? why.message : report.message;
+      return store_.fail(lease, {outcome.reason, message}, outcome.end, api::job_report_json(report));
+    }
+    case OutcomeKind::disk_full:
+      return store_.requeue(lease, why, outcome.end, false, clock_() + rules_.disk_full_wait_ms);
+    case OutcomeKind::server_stopped:
+      return store_.requeue(lease, why, outcome.end, false);
+    case OutcomeKind::lost:
+      return try_again_or_fail(job, lease, outcome);
+  }
+  return api::Error{Fault::internal, "an attempt ended in no known way"};
+}
+
+api::Status JobService::succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
+  const std::filesystem::path folder = folder_.job(job.id);
+  const auto results = collect_results(folder, job.frame_count);
+  if (results) return store_.succeed(lease, *results, api::job_report_json(read_report(folder)));
+  AttemptOutcome lied = outcome;
+  lied.kind = OutcomeKind::lost;
+  lied.reason = "bad_artefacts";
+  lied.message = "the worker said it was done, but " + results.error().message;
+  return try_again_or_fail(job, lease, lied);
+}
+
+api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
+  const StepReason why{outcome.reason, with_log(outcome)};
+  if (job.attempts_without_progress < rules_.attempts_without_progress_max)
+    return store_.requeue(lease, why, outcome.end, true);
+  const api::JobReport report = read_report(folder_.job(job.id));
+  const StepReason final{outcome.reason, "given up after " + std::to_string(job.attempt) + " attempts: " +
+                                             why.message};
+  return store_.fail(lease, final, outcome.end, api::job_report_json(report));
+}
+
+api::Status JobService::take_up_again(const Orphan& orphan) {
+  if (orphan.job.state == JobState::cancel_requested) return store_.finish_cancel(orphan.lease, {});
+  // Not counted: the server's end says nothing about the job, which runs in a process of its own.
+  return store_.requeue(orphan.lease, {"server_restarted", "the server ended while the job was running"}, {},
+                        false);
+}
+
+}  // namespace server

@@ -1,0 +1,118 @@
+#include "server/jobs/job_service.h"
+
+#include <utility>
+
+#include "server/artefacts/files.h"
+
+namespace server {
+namespace {
+
+using api::Fault;
+using api::JobState;
+
+}  // namespace
+
+JobService::JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock)
+    : store_(store), folder_(folder), rules_(std::move(rules)), clock_(std::move(clock)) {}
+
+api::Result<Job> JobService::submit(const Upload& upload) {
+  const auto request = check(upload);
+  if (!request) {
+    discard(upload);
+    return request.error();
+  }
+  auto job = keep(upload, *request);
+  if (!job) return job;
+  rules_.work_arrived();
+  return job;
+}
+
+void JobService::discard(const Upload& upload) const {
+  // What cannot be removed now is removed at the next start.
+  (void)remove_tree(folder_.upload(upload.id));
+}
+
+api::Result<api::JobRequest> JobService::check(const Upload& upload) const {
+  const auto waiting = store_.count(JobState::queued);
+  if (!waiting) return waiting.error();
+  if (*waiting >= rules_.queued_max)
+    return api::Error{Fault::out_of_resources,
+                      "the queue is full: " + std::to_string(*waiting) + " jobs are waiting"};
+  const std::filesystem::path folder = folder_.upload(upload.id);
+  const auto bytes = read_below(folder / "input", "animation.json", std::int64_t{api::kAnimationBytesMax});
+  if (!bytes) return bytes.error();
+  auto request = api::parse_job_request(*bytes);
+  if (!request) return request;
+  if (const api::Status fine = rules_.check(folder); !fine) return fine.error();
+  return request;
+}
+
+api::Result<Job> JobService::keep(const Upload& upload, const api::JobRequest& request) {
+  const std::filesystem::path from = folder_.upload(upload.id);
+  const std::filesystem::path to = folder_.job(upload.id);
+  // The order matters: files and names durable, then the row. A crash in between leaves a folder without a row,
+  // which the next start removes; never a row without files.
+  for (const auto& path : {from / "input", from})
+    if (const api::Status synced = sync_folder(path); !synced) {
+      discard(upload);
+      return synced.error();
+    }
+  if (const api::Status moved = move_folder(from, to); !moved) {
+    discard(upload);
+    (void)remove_tree(to);
+    return moved.error();
+  }
+  const NewJob row{upload.id, request.name, request.frame_count, request.fps, upload.inputs};
+  auto job = store_.insert(row);
+  if (!job) (void)remove_tree(to);
+  return job;
+}
+
+api::Result<JobPage> JobService::list(std::optional<JobState> state, std::optional<std::int64_t> before,
+                                      std::int64_t limit) {
+  // One more than asked for tells whether another page follows.
+  auto jobs = store_.list(state, before, limit + 1);
+  if (!jobs) return jobs.error();
+  JobPage page{std::move(*jobs), std::nullopt};
+  if (static_cast<std::int64_t>(page.jobs.size()) > limit) {
+    page.jobs.pop_back();
+    page.next = page.jobs.back().seq;
+  }
+  return page;
+}
+
+api::Result<Job> JobService::cancel(std::string_view id) {
+  auto job = store_.cancel(id);
+  if (job && job->state == JobState::cancel_requested) rules_.cancel_requested();
+  return job;
+}
+
+api::Status JobService::remove(std::string_view id) {
+  if (api::Status begun = store_.begin_removal(id); !begun) return begun;
+  return remove_files_and_row(std::string(id));
+}
+
+api::Status JobService::remove_files_and_row(const std::string& id) {
+  if (api::Status removed = remove_tree(folder_.job(id)); !removed) return removed;
+  if (api::Status synced = sync_folder(folder_.jobs()); !synced) return synced;
+  return store_.erase(id);
+}
+
+api::Result<ArtefactFile> JobService::artefact(const Job& job, std::string_view path) {
+  if (job.state != JobState::succeeded)
+    return api::Error{Fault::not_found, "not made yet: the job is " + std::string(api::name_of(job.state))};
+  return store_.artefact(job.seq, path);
+}
+
+api::Status JobService::clean_up() {
+  const auto unfinished = store_.jobs_being_removed();
+  if (!unfinished) return unfinished.error();
+  for (const std::string& id : *unfinished)
+    if (api::Status removed = remove_files_and_row(id); !removed) return removed;
+  const auto known = store_.all_ids();
+  if (!known) return known.error();
+  if (api::Status removed = folder_.remove_leftovers(*known); !removed) return removed;
+  return store_.forget_waiting_times();
+}
+
+}  // namespace server

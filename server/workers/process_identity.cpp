@@ -1,0 +1,67 @@
+#include <signal.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <thread>
+
+#include "server/workers/child_process.h"
+
+namespace server {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kDeathPatience = 10s;
+constexpr auto kLookAgainAfter = 10ms;
+constexpr int kStartTimeField = 22;  // proc(5), /proc/PID/stat
+constexpr int kStateField = 3;
+
+std::string read_text(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string boot_id() {
+  std::string id = read_text("/proc/sys/kernel/random/boot_id");
+  while (!id.empty() && id.back() == '\n') id.pop_back();
+  return id;
+}
+
+}  // namespace
+
+api::Result<ProcessIdentity> identity_of(pid_t pid) {
+  const std::string stat = read_text("/proc/" + std::to_string(pid) + "/stat");
+  // The second field is the program's name in parentheses and may hold anything, so count from its end.
+  const std::size_t name_end = stat.rfind(')');
+  const api::Error gone{api::Fault::not_found, "there is no process " + std::to_string(pid)};
+  if (name_end == stat.npos) return gone;
+  std::istringstream fields(stat.substr(name_end + 1));
+  std::string field;
+  std::string state;
+  for (int number = kStateField; number <= kStartTimeField && fields >> field; ++number)
+    if (number == kStateField) state = field;
+  ProcessIdentity identity{pid, 0, boot_id()};
+  if (!fields || state == "Z" || state == "X") return gone;  // dead already, only not reaped
+  std::from_chars(field.data(), field.data() + field.size(), identity.start_ticks);
+  return identity;
+}
+
+api::Status kill_and_confirm(const ProcessIdentity& process) {
+  const auto pid = static_cast<pid_t>(process.pid);
+  const auto deadline = std::chrono::steady_clock::now() + kDeathPatience;
+  while (std::chrono::steady_clock::now() < deadline) {
+    const auto now = identity_of(pid);
+    if (!now || now->start_ticks != process.start_ticks || now->boot_id != process.boot_id) return api::Done{};
+    if (::kill(-pid, SIGKILL) != 0 && ::kill(pid, SIGKILL) != 0 && errno == EPERM)
+      return api::Error{api::Fault::internal, "process " + std::to_string(pid) + " cannot be killed"};
+    std::this_thread::sleep_for(kLookAgainAfter);
+  }
+  return api::Error{api::Fault::internal, "process " + std::to_string(pid) + " does not die"};
+}
+
+}  // namespace server

@@ -1,0 +1,54 @@
+#include "server/workers/worker_log.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+
+namespace server {
+namespace {
+
+constexpr std::size_t kTailBytes = 600;
+constexpr int kPiecesAtOnce = 64;  // a flood must not keep us from watching
+
+}  // namespace
+
+WorkerLog::WorkerLog(const std::filesystem::path& job_folder, std::string_view title)
+    : file_(::open((job_folder / "worker.log").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW,
+                   0600)) {
+  if (file_) (void)write_all(file_, "--- " + std::string(title) + "\n");
+}
+
+bool WorkerLog::take_from(const FileHandle& output) {
+  std::array<char, 4096> piece{};
+  for (int i = 0; i < kPiecesAtOnce; ++i) {
+    const ssize_t count = ::read(output.get(), piece.data(), piece.size());
+    if (count == 0) return false;
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return errno == EAGAIN;
+    add({piece.data(), static_cast<std::size_t>(count)});
+  }
+  return true;
+}
+
+void WorkerLog::add(std::string_view text) {
+  tail_ += text;
+  if (tail_.size() > 2 * kTailBytes) tail_.erase(0, tail_.size() - kTailBytes);
+  if (cut_ || !file_) return;
+  written_ += static_cast<std::int64_t>(text.size());
+  cut_ = written_ > kAttemptBytesMax;
+  (void)write_all(file_, cut_ ? std::string_view("\n--- the rest of this attempt's output is left out\n") : text);
+}
+
+std::string WorkerLog::tail() const {
+  std::string text = tail_.size() > kTailBytes ? tail_.substr(tail_.size() - kTailBytes) : tail_;
+  if (text.size() == kTailBytes) {
+    const std::size_t line = text.find('\n');
+    if (line != text.npos && line + 1 < text.size()) text.erase(0, line + 1);
+  }
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+}  // namespace server

@@ -1,0 +1,36 @@
+// Keeps what a worker writes to its standard output and error.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "server/artefacts/files.h"
+
+namespace server {
+
+/// Appends to worker.log in the job folder, at most kAttemptBytesMax per attempt, and remembers the end.
+class WorkerLog {
+ public:
+  static constexpr std::int64_t kAttemptBytesMax = 1 << 20;
+
+  /// Begins with a line that names what follows. A log that cannot be written is no reason to stop a job.
+  WorkerLog(const std::filesystem::path& job_folder, std::string_view title);
+
+  /// Takes what `output` holds now, without waiting; false at its end.
+  bool take_from(const FileHandle& output);
+
+  /// Last bytes written, from the start of a line where possible, without the newline at the end.
+  std::string tail() const;
+
+ private:
+  void add(std::string_view text);
+
+  FileHandle file_;
+  std::int64_t written_ = 0;
+  bool cut_ = false;
+  std::string tail_;
+};
+
+}  // namespace server
