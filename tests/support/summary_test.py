@@ -11,6 +11,7 @@ import summary
 PASSED = '<testcase name="good" status="run" time="1.5"/>'
 FAILED = '<testcase name="bad" status="fail" time="0.5"><failure message=""/></testcase>'
 SKIPPED = '<testcase name="absent" status="notrun" time="0"><skipped message="SKIP_RETURN_CODE=77"/></testcase>'
+UNBUILT = '<testcase name="unbuilt" status="notrun" time="0"><skipped message="Unable to find executable"/></testcase>'
 
 
 class Summary(unittest.TestCase):
@@ -35,6 +36,10 @@ class Summary(unittest.TestCase):
         code, output = self.run_on(conventions=PASSED + SKIPPED)
         self.assertEqual((code, output.splitlines()[-1]), (0, "1 passed, 0 failed, 1 skipped"))
         self.assertIn("skipped: absent", output)
+
+    def test_what_was_not_built_is_a_failure(self):
+        code, output = self.run_on(unit=PASSED + UNBUILT)
+        self.assertEqual((code, output.splitlines()[-1]), (1, "1 passed, 1 failed"))
 
     def test_no_test_at_all_is_a_failure(self):
         self.assertEqual(self.run_on(unit="")[0], 1)
