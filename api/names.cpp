@@ -10,7 +10,7 @@ constexpr std::array<std::string_view, kJobStates.size()> kStateNames{
     "queued", "running", "cancel_requested", "succeeded", "failed", "canceled"};
 
 constexpr std::array<std::string_view, 9> kStageNames{
-    "scene", "patches", "direct", "estimate", "keyframes", "solve", "interpolate", "images", "publish"};
+    "scene", "patches", "estimate", "keyframes", "direct", "solve", "interpolate", "images", "publish"};
 
 }  // namespace
 

@@ -10,7 +10,7 @@
 namespace api {
 
 /// The stages of a job, in the order they run.
-enum class Stage { scene, patches, direct, estimate, keyframes, solve, interpolate, images, publish };
+enum class Stage { scene, patches, estimate, keyframes, direct, solve, interpolate, images, publish };
 
 std::string_view name_of(Stage stage);
 std::optional<Stage> stage_named(std::string_view name);

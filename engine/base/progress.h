@@ -12,4 +12,10 @@ struct Progress {
   std::function<bool()> stop_requested = [] { return false; };
 };
 
+/// The share [begin, end] of `whole`, for a step of a stage. `whole` outlives it.
+inline Progress part_of(const Progress& whole, double begin, double end) {
+  return {[&whole, begin, end](double fraction) { whole.report(begin + (end - begin) * fraction); },
+          whole.stop_requested};
+}
+
 }  // namespace engine

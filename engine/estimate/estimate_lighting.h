@@ -1,0 +1,26 @@
+// A coarse and quick look at the lighting of every frame, to choose the key-frames by.
+#pragma once
+
+#include "api/lighting_options.h"
+#include "api/result.h"
+#include "engine/base/progress.h"
+#include "engine/lighting/light_sequence.h"
+
+namespace engine {
+
+/// Lighting of every frame on large patches.
+struct Estimate {
+  Patches patches;
+  PatchSeries radiosity_w_m2;  ///< B, [patch][frame]; 0 where the object is not there
+  PatchSeries indirect_w_m2;   ///< the part of B that global lines brought: rho times indirect irradiance
+  SolveCounts counts;
+};
+
+/// Solves all frames on patches of `options.estimate_patch_edge_m` with `options.estimate_line_count` lines.
+/// `static_rays` may be those of finer patches of the same scene: the facets are the same.
+/// Source: Besuievsky & Pueyo, 2001, section 5. Errors: stopped, out_of_resources (too many patches).
+api::Result<Estimate> estimate_lighting(const Scene& scene, const Animation& animation,
+                                        const StaticRays& static_rays, const api::LightingOptions& options,
+                                        const Progress& progress);
+
+}  // namespace engine

@@ -1,0 +1,27 @@
+// Key-frames as Table 1 of Besuievsky & Pueyo chooses them.
+#pragma once
+
+#include <vector>
+
+#include "engine/lighting/radiosity.h"
+
+namespace engine {
+
+enum class LastKey {
+  marked,  ///< every frame that differs from the last key-frame becomes one
+  lost,    ///< as printed: SetKeyframe(k) runs for the key-frame before, so the last one found is never set
+};
+
+/// Scans the frames in order; a frame becomes the next key-frame when the power of some patch differs from
+/// that in the last key-frame by more than `epsilon_w`:
+///
+///     | A_i B_i(k) - A_i B_i(f) | > epsilon                                  [W]
+///
+/// B is the largest channel of an RGB radiosity. The first and the last frame are always keys.
+/// It bounds the deviation from a key-frame, not the error of interpolating: a ramp costs many keys, and a
+/// jump between f - 1 and f is smeared over the frames since the last key. Source: Besuievsky & Pueyo, "A
+/// Monte Carlo Method for Accelerating the Computation of Animated Radiosity Sequences", 2001, Table 1.
+std::vector<api::FrameIndex> table1_key_frames(const Patches& patches, const PatchSeries& radiosity_w_m2,
+                                               double epsilon_w, LastKey last_key);
+
+}  // namespace engine

@@ -1,0 +1,27 @@
+// The artefacts of a run, in the order the manifest lists them.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "api/job_report.h"
+#include "api/job_request.h"
+#include "engine/lighting/light_sequence.h"
+#include "engine/output/artefacts.h"
+#include "engine/pipeline/stage_clock.h"
+
+namespace engine {
+
+/// Renders every image the job asks for, into `folder`/images/<camera>/, and lists the files.
+api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const PatchSeries& radiosity_w_m2,
+                                                  const std::vector<api::ImageOptions>& images,
+                                                  const std::filesystem::path& folder,
+                                                  const Progress& progress);
+
+/// Writes radiosity.npy, patches.npz and key_frames.json, and last of all manifest.json, which lists these
+/// and `images`.
+api::Status publish_data(const LitScene& lit, const PatchSeries& radiosity_w_m2,
+                         const api::KeyFrameReport& key_frames, const std::vector<Artefact>& images,
+                         const std::filesystem::path& folder);
+
+}  // namespace engine

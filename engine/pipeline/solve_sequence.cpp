@@ -1,0 +1,110 @@
+#include "engine/pipeline/solve_sequence.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "engine/direct/direct_light.h"
+#include "engine/interpolate/interpolate.h"
+#include "engine/keyframes/select_key_frames.h"
+#include "engine/lighting/compose.h"
+
+namespace engine {
+namespace {
+
+using Frames = std::vector<FrameIndex>;
+
+Frames every_frame(const Animation& animation) {
+  Frames frames(animation.frame_count);
+  std::iota(frames.begin(), frames.end(), 0u);
+  return frames;
+}
+
+api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const api::LightingOptions& options,
+                                         StageClock& clock) {
+  if (options.mode == api::LightingMode::reference) return all_frames(options, lit.animation.frame_count);
+  const auto estimate = estimate_lighting(lit.scene, lit.animation, lit.static_rays, options,
+                                          clock.begin(api::Stage::estimate));
+  if (!estimate) return estimate.error();
+  clock.begin(api::Stage::keyframes);
+  return select_key_frames(lit.scene, lit.animation, lit.static_rays, *estimate, options);
+}
+
+/// The columns of `series` (one per frame of `have`) that belong to `wanted`, a part of `have`.
+PatchSeries columns(const PatchSeries& series, const Frames& have, const Frames& wanted) {
+  PatchSeries taken(series.patch_count, static_cast<std::uint32_t>(wanted.size()));
+  std::vector<std::uint32_t> position;
+  for (const FrameIndex frame : wanted)
+    position.push_back(
+        static_cast<std::uint32_t>(std::lower_bound(have.begin(), have.end(), frame) - have.begin()));
+  for (PatchId patch = 0; patch < series.patch_count; ++patch)
+    for (std::uint32_t k = 0; k < taken.frame_count; ++k) taken.at(patch, k) = series.at(patch, position[k]);
+  return taken;
+}
+
+void add_counts(const KeyFrames& chosen, const SolveCounts& counts, api::JobReport& report) {
+  const auto add = [&](const char* name, auto value) {
+    report.counts.emplace_back(name, static_cast<double>(value));
+  };
+  add("key_frames", chosen.keys.size());
+  add("check_frames", chosen.checks.size());
+  add("lines", counts.tracing.lines);
+  add("lines_touched_by_moving_objects", counts.tracing.touched_lines);
+  add("static_hits", counts.tracing.static_hits);
+  add("moving_hits", counts.tracing.moving_hits);
+  add("exchanges", counts.exchanges);
+  add("moving_exchanges", counts.moving_exchanges);
+  add("rows_without_crossings", counts.empty_rows);
+  add("iterations", counts.iterations);
+}
+
+bool is_paper(api::LightingMode mode) {
+  return mode == api::LightingMode::paper || mode == api::LightingMode::paper_literal;
+}
+
+}  // namespace
+
+api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::LightingOptions& options,
+                                           StageClock& clock, api::JobReport& report) {
+  auto chosen = choose_key_frames(lit, options, clock);
+  if (!chosen) return chosen.error();
+
+  // Direct light is cheap, and it is where the eye sees interpolation: it is computed for every frame, except
+  // where the paper's own method, which interpolates all light, is asked for.
+  const bool interpolates_all = is_paper(options.mode);
+  const bool apart = options.direct == api::DirectLight::apart;
+  const Frames all = every_frame(lit.animation);
+  const Frames& lit_frames = interpolates_all ? chosen->solved : all;
+  PatchSeries direct;
+  if (apart) {
+    auto lit_directly =
+        direct_light(lit.patches, lit.animation, lit.static_rays, lit_frames,
+                     {options.samples_per_light, options.seed}, clock.begin(api::Stage::direct));
+    if (!lit_directly) return lit_directly.error();
+    direct = std::move(*lit_directly);
+  }
+
+  const Progress& solving = clock.begin(api::Stage::solve);
+  const PatchSeries direct_solved = apart ? columns(direct, lit_frames, chosen->solved) : PatchSeries{};
+  const PatchSeries* first_shot = apart ? &direct_solved : nullptr;
+  auto indirect =
+      indirect_light(lit, chosen->solved, first_shot, {options.line_count, options.seed}, solving);
+  if (!indirect) return indirect.error();
+  add_counts(*chosen, indirect->counts, report);
+
+  clock.begin(api::Stage::interpolate);
+  PatchSeries solved = compose_radiosity(lit, chosen->solved, first_shot, indirect->irradiance_w_m2);
+  SolvedSequence sequence;
+  if (interpolates_all) {
+    sequence.radiosity_w_m2 = interpolate_linear(solved, chosen->solved, lit.animation.frame_count);
+  } else {
+    const PatchSeries arriving =
+        interpolate_linear(indirect->irradiance_w_m2, chosen->solved, lit.animation.frame_count);
+    sequence.radiosity_w_m2 = compose_radiosity(lit, all, apart ? &direct : nullptr, arriving);
+    reflect(lit, chosen->solved, indirect->irradiance_w_m2);
+    observe_errors(lit, solved, indirect->irradiance_w_m2, *chosen);
+  }
+  sequence.key_frames = std::move(chosen->report);
+  return sequence;
+}
+
+}  // namespace engine
