@@ -54,10 +54,16 @@ PinholeCamera pinhole_camera(const CameraPose& pose, std::uint32_t width, std::u
 }
 
 std::vector<SubPixel> sub_pixels(std::uint32_t count) {
+  const auto height = [](std::uint32_t i) {
+    const double y = 0.5 + i / std::numbers::phi;
+    return y - std::floor(y);
+  };
   std::vector<SubPixel> points;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const double y = 0.5 + i / std::numbers::phi;
-    points.push_back({static_cast<float>((i + 0.5) / count), static_cast<float>(y - std::floor(y))});
+    std::uint32_t rank = 0;
+    for (std::uint32_t k = 0; k < count; ++k) rank += height(k) < height(i);
+    const auto n = static_cast<float>(count);
+    points.push_back({(static_cast<float>(i) + 0.5f) / n, (static_cast<float>(rank) + 0.5f) / n});
   }
   return points;
 }

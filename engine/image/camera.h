@@ -34,7 +34,8 @@ struct SubPixel {
 };
 
 /// `count` well-spread points, the same in every pixel, so that neighbouring pixels differ by the scene only:
-/// ((i + 1/2) / count, frac(1/2 + i / golden ratio)), a Kronecker lattice.
+/// point i lies in the middle of column i and of row r_i of count x count cells, r_i the rank of
+/// frac(1/2 + i / golden ratio). Four of them are the rotated grid; near-upright edges get all shades.
 std::vector<SubPixel> sub_pixels(std::uint32_t count);
 
 /// The smallest rectangle of pixels that can see the box around `points_m`, one pixel wider on each side; the

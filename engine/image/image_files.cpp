@@ -53,7 +53,9 @@ api::Result<std::string> encode_png(const Image& image, const DisplayTable& disp
                                     const std::function<bool()>& stop_requested) {
   OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3, OIIO::TypeUInt8);
   spec.attribute("oiio:ColorSpace", "sRGB");
-  spec.attribute("png:compressionLevel", 3);
+  // Measured on a garage frame of 640 x 360: level 1: 10 ms, 102 kB; 4: 14 ms, 76 kB; 6: 50 ms, 67 kB.
+  spec.attribute("png:compressionLevel", 4);
+  spec.attribute("compression", "filtered");
   std::vector<std::uint8_t> band(std::size_t{3} * image.width * kBandRows);
   return encode("png", spec, OIIO::TypeUInt8, stop_requested, [&](std::uint32_t y, std::uint32_t end) {
     std::uint8_t* out = band.data();
@@ -70,6 +72,7 @@ api::Result<std::string> encode_exr(const Image& image, const std::function<bool
   OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3, OIIO::TypeHalf);
   spec.attribute("oiio:ColorSpace", "lin_srgb");
   spec.attribute("compression", "zip");
+  spec.attribute("DateTime", "");  // not given, it would be the present time
   static constexpr float kLargestHalf = 65504;
   std::vector<Rgb> band(std::size_t{image.width} * kBandRows);
   return encode("exr", spec, OIIO::TypeFloat, stop_requested, [&](std::uint32_t y, std::uint32_t end) {

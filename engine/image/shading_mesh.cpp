@@ -130,6 +130,7 @@ ShadingMesh build_shading_mesh(const Patches& patches) {
     if (facet.both_sides) number_places(facet, false, welder, mesh);
   }
   collect_patches(patches, mesh);
+  mesh.seams = find_seams(mesh, patches);
   return mesh;
 }
 
@@ -154,6 +155,7 @@ void node_radiosity(const ShadingMesh& mesh, const Patches& patches, const Patch
       for (std::size_t f = 0; f < sum.size(); ++f) values_w_m2[f][node] = sum[f] * (1 / area_m2);
     }
   });
+  parallel_for(values_w_m2.size(), [&](std::size_t f) { close_seams(mesh.seams, values_w_m2[f]); });
 }
 
 NodeBlend blend_at(const ShadingMesh& mesh, const Patches& patches, std::uint32_t facet_index, float u,

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/image/seams.h"
 #include "engine/lighting/radiosity.h"
 #include "engine/patches/patches.h"
 
@@ -13,13 +14,15 @@ namespace engine {
 /// The nodes of all facets' (u,v) grids, one set per side that has patches. A node's radiosity is the
 /// area-weighted mean of the patches around it. Nodes of neighbouring facets that lie at the same point are
 /// one node when the sides belong to the same object and material and face the same way (within 1 degree), so
-/// that no seam shows between coplanar polygons; sides that differ in any of these are never mixed.
+/// that no seam shows between coplanar polygons; sides that differ in any of these are never mixed. Where two
+/// such facets cut their common edge differently, see SeamNode.
 struct ShadingMesh {
   std::uint32_t node_count = 0;
   std::vector<std::uint32_t> first_place;  ///< [facet]: its front's grid places, then its back's, in node_of
   std::vector<std::uint32_t> node_of;      ///< [place]: the node there; places as in grid_place()
   std::vector<std::uint32_t> first_patch;  ///< [node .. node_count]: into patches_around
   std::vector<PatchId> patches_around;
+  std::vector<SeamNode> seams;
 };
 
 /// Depends on the patches alone: built once for all frames and cameras.
