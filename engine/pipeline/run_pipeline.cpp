@@ -41,8 +41,11 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
   const auto images = publish_images(lit, solved->radiosity_w_m2, request.images, artefacts_folder,
                                      clock.begin(api::Stage::images));
   if (!images) return images.error();
-  clock.begin(api::Stage::publish);
-  return publish_data(lit, solved->radiosity_w_m2, solved->key_frames, *images, artefacts_folder);
+  const Progress& publishing = clock.begin(api::Stage::publish);
+  const auto published =
+      publish_data(lit, solved->radiosity_w_m2, solved->key_frames, *images, artefacts_folder);
+  if (published) publishing.report(1);
+  return published;
 }
 
 api::Status check_job(const api::JobRequest& request, const std::filesystem::path& input_folder,
