@@ -1,9 +1,9 @@
 # Shared by server/run and tests/run, which source it: installs what is missing and builds.
-# Expects $root (the checkout) and $assume_yes (yes or no).
+# Expects $program (for messages), $root (the checkout) and $assume_yes (yes or no).
 
 say() { printf '%s\n' "$*"; }
 fail() {
-  printf '%s: %s\n' "$(basename "$0")" "$*" >&2
+  printf "%s: %s\n" "$program" "$*" >&2
   exit 1
 }
 
