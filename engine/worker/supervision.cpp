@@ -67,7 +67,7 @@ api::Status bind_to_parent(pid_t parent) {
 
 api::Status limit_myself(const SelfLimits& limits) {
   signal(SIGXFSZ, SIG_IGN);
-  if (!lower_limit(RLIMIT_DATA, limits.memory_bytes, limits.memory_bytes) ||
+  if ((kMemoryCanBeLimited && !lower_limit(RLIMIT_DATA, limits.memory_bytes, limits.memory_bytes)) ||
       !lower_limit(RLIMIT_CPU, limits.processor_seconds, limits.processor_seconds + 2) ||
       !lower_limit(RLIMIT_FSIZE, limits.file_bytes, limits.file_bytes))
     return system_failure("cannot limit this process");

@@ -25,14 +25,27 @@ void settle_in();
 /// Errors: wrong_state when `parent` is not our parent, that is, it died already; stop then.
 api::Status bind_to_parent(pid_t parent);
 
+// Sanitizers map terabytes for themselves: under a limit on memory not even their first page is to be had.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kMemoryCanBeLimited = false;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+inline constexpr bool kMemoryCanBeLimited = false;
+#else
+inline constexpr bool kMemoryCanBeLimited = true;
+#endif
+#else
+inline constexpr bool kMemoryCanBeLimited = true;
+#endif
+
 struct SelfLimits {
   std::uint64_t memory_bytes = 0;       ///< of private writable memory (RLIMIT_DATA)
   std::uint64_t processor_seconds = 0;  ///< over all threads; SIGXCPU then, SIGKILL two seconds later
   std::uint64_t file_bytes = 0;         ///< per file written; beyond it writes fail with EFBIG
 };
 
-/// Not the address space: thread pools and ray tracers reserve far more of it than they use.
-/// Errors: internal. A limit that is already lower stays.
+/// Without the limit on memory unless kMemoryCanBeLimited. Not the address space: thread pools and ray
+/// tracers reserve far more of it than they use. Errors: internal. A limit that is already lower stays.
 api::Status limit_myself(const SelfLimits& limits);
 
 /// A thread that hears what the outside wants while the main thread computes.
