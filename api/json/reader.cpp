@@ -14,8 +14,11 @@ namespace {
 constexpr double kExactWholeMax = 9007199254740992.0;  // 2^53: beyond it a double skips whole numbers
 
 std::string short_text(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  // For people: 1000000 rather than 1e+06.
+  const bool plain = value == 0 || (std::abs(value) >= 1e-4 && std::abs(value) < 1e10);
+  std::array<char, 64> buffer{};
+  const auto format = plain ? std::chars_format::fixed : std::chars_format::general;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format).ptr;
   return {buffer.data(), end};
 }
 
@@ -83,9 +86,11 @@ bool is_object_of(const Node& node, std::span<const std::string_view> known) {
     add_wrong_type(node, "an object");
     return false;
   }
-  for (const auto& [name, value] : node.json->items())
+  for (const auto& [name, value] : node.json->items()) {
+    if (node.findings->violations.size() >= kViolationsMax) break;  // or a million names would be compared
     if (std::find(known.begin(), known.end(), name) == known.end())
       add_violation(node, name, "unknown_field", "is not a field here" + suggestion(name, known));
+  }
   return true;
 }
 
