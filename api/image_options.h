@@ -24,6 +24,8 @@ struct ImageOptions {
   bool auto_exposure = true;
   ToneMap tone_map = ToneMap::filmic;
   std::uint32_t samples_per_pixel = 4;  ///< 1 .. 64
+
+  friend bool operator==(const ImageOptions&, const ImageOptions&) = default;
 };
 
 }  // namespace api

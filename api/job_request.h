@@ -23,6 +23,8 @@ struct JobRequest {
   SceneDescription scene;
   LightingOptions lighting;
   std::vector<ImageOptions> images;  ///< up to 16
+
+  friend bool operator==(const JobRequest&, const JobRequest&) = default;
 };
 
 /// animation.json as bytes -> the job, or every violation in it (up to kViolationsMax), each with its JSON

@@ -52,6 +52,8 @@ struct LightingOptions {
 
   /// The same job and seed give the same bytes, whatever the thread count.  0 .. 2^53 - 1
   std::uint64_t seed = 1;
+
+  friend bool operator==(const LightingOptions&, const LightingOptions&) = default;
 };
 
 /// The values a preset stands for.

@@ -25,17 +25,21 @@ struct Track {
   struct Key {
     FrameIndex frame = 0;
     T value{};
+
+    friend bool operator==(const Key&, const Key&) = default;
   };
   KeyInterpolation interpolation = KeyInterpolation::linear;
   std::vector<Key> keys;
 
   bool given() const { return !keys.empty(); }
+
+  friend bool operator==(const Track&, const Track&) = default;
 };
 
 /// How the numbers of a rotation are to be read.
 enum class RotationForm {
   euler_degrees,       ///< {x, y, z, unused} [degrees], applied in the order named by `euler_order`
-  axis_angle_degrees,  ///< {axis x, y, z, angle [degrees]}
+  axis_angle_degrees,  ///< {axis x, y, z, angle [degrees]}; the axis is normalised when read
   quaternion,          ///< {x, y, z, w}; normalised when read; keys are joined by slerp
 };
 
@@ -43,6 +47,8 @@ struct RotationTrack {
   RotationForm form = RotationForm::euler_degrees;
   std::string euler_order = "xyz";  ///< "xyz": about x first, then y, then z (R = Rz Ry Rx)
   Track<std::array<double, 4>> track;
+
+  friend bool operator==(const RotationTrack&, const RotationTrack&) = default;
 };
 
 /// The motion of one OBJ object or group. pose = T * R * S about `pivot`, or one matrix per frame.
@@ -54,6 +60,8 @@ struct ObjectAnimation {
   Track<bool> visible;  ///< always read as step
   /// Rows of a 3 x 4 matrix, [R | t] with t in OBJ units; one per frame, instead of the tracks. Empty: none.
   std::vector<std::array<double, 12>> matrices;
+
+  friend bool operator==(const ObjectAnimation&, const ObjectAnimation&) = default;
 };
 
 /// Which sides of a surface take part. `both`: front and back are patches of their own.
@@ -65,12 +73,16 @@ struct MaterialSettings {
   std::optional<Vec3> reflectance;  ///< linear RGB, 0 <= rho < 1
   Track<Vec3> exitance_w_m2;        ///< linear RGB, >= 0  [W/m^2]
   std::optional<Sides> sides;
+
+  friend bool operator==(const MaterialSettings&, const MaterialSettings&) = default;
 };
 
 struct Camera {
   Track<Vec3> position;                ///< [OBJ units]
   Track<Vec3> target;                  ///< [OBJ units]
-  Track<double> vertical_fov_degrees;  ///< 1 .. 170
+  Track<double> vertical_fov_degrees;  ///< 1 .. 170; 50 where the JSON gives none
+
+  friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 enum class UpAxis { y, z };
@@ -82,6 +94,8 @@ struct SceneDescription {
   std::map<std::string, ObjectAnimation> objects;     ///< by OBJ object or group name
   std::map<std::string, MaterialSettings> materials;  ///< by MTL material name
   std::map<std::string, Camera> cameras;
+
+  friend bool operator==(const SceneDescription&, const SceneDescription&) = default;
 };
 
 }  // namespace api
