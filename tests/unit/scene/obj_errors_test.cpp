@@ -83,13 +83,14 @@ TEST(ObjParser, RefusesPolygonsOfFewerThanThreeCorners) {
 }
 
 std::string polygon_of(int corners) {
-  std::string obj, face = "f";
+  std::ostringstream vertices, face;
+  face << 'f';
   for (int i = 0; i < corners; ++i) {
     const double angle = 6.283185307179586 * i / corners;
-    obj += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
-    face += " " + std::to_string(i + 1);
+    vertices << "v " << std::cos(angle) << ' ' << std::sin(angle) << " 0\n";
+    face << ' ' << i + 1;
   }
-  return obj + face + "\n";
+  return vertices.str() + face.str() + "\n";
 }
 
 TEST(ObjParser, TakesPolygonsOfUpTo64Corners) {

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -36,14 +37,16 @@ class SceneFolder {
 
 /// "file:line:column code", or "file pointer code" for JSON; one per line, as load_scene lists them.
 inline std::string places_of(const api::Error& error) {
-  std::string text;
+  std::ostringstream text;
   for (const api::Violation& v : error.violations) {
-    text += v.file + (v.line > 0 || v.file != "animation.json"
-                          ? ":" + std::to_string(v.line) + ":" + std::to_string(v.column)
-                          : " " + v.pointer);
-    text += " " + v.code + "\n";
+    text << v.file;
+    if (v.file == "animation.json")
+      text << ' ' << v.pointer;
+    else
+      text << ':' << v.line << ':' << v.column;
+    text << ' ' << v.code << '\n';
   }
-  return text;
+  return text.str();
 }
 
 inline api::SceneDescription dark() {
