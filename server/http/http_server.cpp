@@ -1,0 +1,224 @@
+#include "server/http/http_server.h"
+
+// Many clients may connect at once; the library's own backlog is 5.
+#define CPPHTTPLIB_LISTEN_BACKLOG 128
+// The receiver counts parts by kind; this only bounds the library's own work.
+#define CPPHTTPLIB_MULTIPART_FORM_DATA_FILE_MAX_COUNT 512
+#include <httplib.h>
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <exception>
+#include <utility>
+
+#include "server/http/problem.h"
+#include "server/http/routes.h"
+#include "server/log.h"
+
+namespace server {
+namespace {
+
+constexpr time_t kReadSeconds = 10;
+constexpr time_t kWriteSeconds = 30;
+constexpr time_t kKeepAliveSeconds = 2;  // an idle connection holds a thread
+constexpr std::size_t kKeepAliveRequests = 1000;
+constexpr std::size_t kMultipartFrameBytes = 1 << 20;
+constexpr std::size_t kPieceBytes = 64 * 1024;
+constexpr std::size_t kRequestIdBytesMax = 64;
+constexpr std::string_view kUploadPath = "/v1/jobs";
+
+HttpRequest request_of(const httplib::Request& from) {
+  HttpRequest request{from.method, from.path, {}, {}};
+  for (const auto& [name, value] : from.params) request.query.emplace_back(name, value);
+  request.header = [&from](std::string_view name) -> std::optional<std::string> {
+    const std::string key(name);
+    if (!from.has_header(key)) return std::nullopt;
+    return from.get_header_value(key);
+  };
+  return request;
+}
+
+bool is_request_id(std::string_view text) {
+  return !text.empty() && text.size() <= kRequestIdBytesMax &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' ||
+                  c == '_' || c == '-';
+         });
+}
+
+std::string new_request_id() {
+  std::array<unsigned char, 8> bytes{};
+  (void)!::getrandom(bytes.data(), bytes.size(), 0);
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string id;
+  for (const unsigned char byte : bytes) {
+    id += kDigits[byte >> 4];
+    id += kDigits[byte & 15];
+  }
+  return id;
+}
+
+bool is_upload(const httplib::Request& request) {
+  return request.method == "POST" && request.path == kUploadPath;
+}
+
+/// What the library decided about the request before we saw it, put right. It hands out a constant
+/// reference to an object that is not constant.
+void take_over(const httplib::Request& from) {
+  auto& request = const_cast<httplib::Request&>(from);
+  // Ranges are answered by apply_conditions; the library would cut our answer a second time.
+  request.ranges.clear();
+  // Without a length there is no body (RFC 9112, section 6.3). The library would wait for one after the answer,
+  // and take the connection's next request for it.
+  if (!request.has_header("Content-Length") && !request.has_header("Transfer-Encoding"))
+    request.body_consumed_ = true;
+}
+
+void send_file(const HttpAnswer& answer, ByteRange part, const std::atomic<bool>& stopping,
+               httplib::Response& response) {
+  auto provider = [file = answer.file, first = part.first, &stopping](std::size_t at, std::size_t count,
+                                                                      httplib::DataSink& sink) {
+    std::array<char, kPieceBytes> piece;
+    const auto wanted = static_cast<std::int64_t>(std::min(count, piece.size()));
+    const std::int64_t got = file->read(first + static_cast<std::int64_t>(at), piece.data(), wanted);
+    return !stopping && got > 0 && sink.write(piece.data(), static_cast<std::size_t>(got));
+  };
+  response.set_content_provider(static_cast<std::size_t>(part.count), answer.content_type, std::move(provider));
+}
+
+void send(const HttpAnswer& answer, const std::atomic<bool>& stopping, httplib::Response& response) {
+  response.status = answer.status;
+  for (const auto& [name, value] : answer.headers) response.set_header(name, value);
+  if (!answer.etag.empty()) response.set_header("ETag", "\"" + answer.etag + "\"");
+  if (answer.ranges) response.set_header("Accept-Ranges", "bytes");
+  if (answer.content_type.empty()) return;
+  const ByteRange part = answer.part.value_or(ByteRange{0, answer.size()});
+  if (answer.file && part.count > 0)
+    send_file(answer, part, stopping, response);
+  else
+    response.set_content(answer.body.substr(static_cast<std::size_t>(part.first), static_cast<std::size_t>(part.count)),
+                         answer.content_type);
+}
+
+ReadParts parts_of(const httplib::ContentReader& reader, const std::atomic<bool>& stopping) {
+  return [&reader, &stopping](const PartSink& sink) {
+    return reader([&](const httplib::FormData& part) { return !stopping && sink.begin(part.name, part.filename); },
+                  [&](const char* bytes, std::size_t count) { return !stopping && sink.take({bytes, count}); });
+  };
+}
+
+}  // namespace
+
+struct HttpServer::Library {
+  Library(const Router& router_, JobService& jobs_, const DataFolder& folder_, HttpRules rules_)
+      : router(router_), jobs(jobs_), folder(folder_), rules(std::move(rules_)) {
+    set_limits();
+    set_handlers();
+  }
+
+  void set_limits() {
+    server.new_task_queue = [this] {
+      return new httplib::ThreadPool(rules.threads, rules.threads_max, rules.connections_waiting_max);
+    };
+    // The library's default shares the port with whoever else asks for it.
+    server.set_socket_options([](auto socket) {
+      const int yes = 1;
+      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
+    server.set_tcp_nodelay(true);  // otherwise every answer waits for the client's delayed acknowledgement
+    server.set_keep_alive_max_count(kKeepAliveRequests);
+    server.set_keep_alive_timeout(kKeepAliveSeconds);
+    server.set_read_timeout(kReadSeconds);
+    server.set_write_timeout(kWriteSeconds);
+    server.set_payload_max_length(static_cast<std::size_t>(rules.upload.total_bytes) + kMultipartFrameBytes);
+  }
+
+  void set_handlers() {
+    using Handled = httplib::Server::HandlerResponse;
+    server.set_pre_routing_handler([this](const auto& request, auto& response) {
+      take_over(request);
+      if (is_upload(request)) return Handled::Unhandled;
+      send(router.answer(request_of(request)), stopping, response);
+      return Handled::Handled;
+    });
+    server.Post(std::string(kUploadPath), [this](const auto& request, auto& response, const auto& reader) {
+      const HttpRequest ours = request_of(request);
+      send(submit_job(ours, parts_of(reader, stopping), jobs, folder, rules.upload), stopping, response);
+    });
+    server.set_expect_100_continue_handler([this](const auto& request, auto& response) {
+      if (!is_upload(request)) return 100;
+      const auto refused = refuse_upload_early(request_of(request), rules.upload);
+      if (!refused) return 100;
+      send(*refused, stopping, response);
+      return refused->status;
+    });
+    server.set_error_handler([this](const auto& request, auto& response) {
+      // Only for what the library refuses by itself: ours have a body.
+      if (!response.body.empty() || response.content_provider_) return;
+      send(problem(response.status, title_of(response.status), request.path), stopping, response);
+    });
+    server.set_exception_handler([this](const auto& request, auto& response, std::exception_ptr thrown) {
+      send(answer_to_exception(request.path, thrown), stopping, response);
+    });
+    server.set_post_routing_handler([](const auto& request, auto& response) {
+      const std::string given = request.get_header_value("X-Request-Id");
+      response.set_header("X-Request-Id", is_request_id(given) ? given : new_request_id());
+      response.set_header("X-Content-Type-Options", "nosniff");
+      if (response.status == 204 || response.status == 304) response.headers.erase("Content-Length");
+    });
+  }
+
+  static HttpAnswer answer_to_exception(const std::string& path, const std::exception_ptr& thrown) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const std::exception& error) {
+      return problem({api::Fault::internal, error.what()}, path);
+    } catch (...) {
+      return problem({api::Fault::internal, "unknown exception"}, path);
+    }
+  }
+
+  const Router& router;
+  JobService& jobs;
+  const DataFolder& folder;
+  HttpRules rules;
+  std::atomic<bool> stopping = false;
+  int port = 0;
+  httplib::Server server;
+};
+
+HttpServer::HttpServer(const Router& router, JobService& jobs, const DataFolder& folder, HttpRules rules)
+    : library_(std::make_unique<Library>(router, jobs, folder, std::move(rules))) {}
+
+HttpServer::~HttpServer() = default;
+
+api::Status HttpServer::bind() {
+  const HttpRules& rules = library_->rules;
+  if (rules.port == 0) {
+    library_->port = library_->server.bind_to_any_port(rules.host);
+    if (library_->port > 0) return api::Done{};
+  } else if (library_->server.bind_to_port(rules.host, rules.port)) {
+    library_->port = rules.port;
+    return api::Done{};
+  }
+  return api::Error{api::Fault::wrong_state, "cannot listen on " + rules.host + ":" + std::to_string(rules.port) +
+                                                 "; is another program using that port?"};
+}
+
+int HttpServer::port() const {
+  return library_->port;
+}
+
+bool HttpServer::run() {
+  return library_->server.listen_after_bind() || library_->stopping;
+}
+
+void HttpServer::stop() {
+  library_->stopping = true;
+  library_->server.stop();
+}
+
+}  // namespace server

@@ -1,0 +1,41 @@
+// Jobs and frames as clients see them: api/openapi.yaml, components/schemas.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/jobs/job_service.h"
+
+namespace server {
+
+/// components/schemas/Job
+std::string job_json(const Job& job);
+/// components/schemas/JobList
+std::string job_page_json(const JobPage& page);
+
+/// Where the pictures of one frame lie, from the paths of the artefacts.
+struct FrameImages {
+  struct Camera {
+    std::string name;
+    bool png = false;
+    bool exr = false;
+  };
+  std::vector<Camera> cameras;  ///< by name
+};
+
+/// One entry per frame, from paths such as images/front/0007.png.
+std::vector<FrameImages> images_by_frame(const std::vector<ArtefactFile>& artefacts, std::uint32_t frame_count);
+
+/// components/schemas/Frame
+std::string frame_json(const Job& job, const api::FrameRecord& frame, const FrameImages& images);
+/// components/schemas/FrameList
+std::string frames_json(const Job& job, const std::vector<api::FrameRecord>& frames,
+                        const std::vector<FrameImages>& images);
+
+/// The path of an image among the artefacts: images/front/0007.png. `extension` without a dot.
+std::string image_path(std::string_view camera, std::uint32_t frame, std::string_view extension);
+
+/// "2026-11-22T08:15:30.123Z" (RFC 3339).
+std::string utc_text(std::int64_t time_ms);
+
+}  // namespace server

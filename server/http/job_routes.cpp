@@ -1,0 +1,129 @@
+#include <charconv>
+#include <utility>
+
+#include "server/http/job_json.h"
+#include "server/http/problem.h"
+#include "server/http/routes.h"
+#include "server/jobs/job_id.h"
+
+namespace server {
+namespace {
+
+constexpr std::int64_t kPageDefault = 50;
+constexpr std::int64_t kPageMax = 200;
+// What the multipart frame around the parts may add: boundaries and headers.
+constexpr std::int64_t kFrameBytes = 1 << 20;
+
+std::optional<std::int64_t> whole_number(std::string_view text) {
+  std::int64_t value = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// GET /v1/jobs, operationId listJobs.
+HttpAnswer list_jobs(JobService& jobs, const HttpRequest& request) {
+  std::int64_t limit = kPageDefault;
+  if (const auto given = request.parameter("limit")) {
+    const auto number = whole_number(*given);
+    if (!number || *number < 1 || *number > kPageMax)
+      return problem(400, "limit must be a whole number from 1 to " + std::to_string(kPageMax), request.path);
+    limit = *number;
+  }
+  std::optional<std::int64_t> before;
+  if (const auto cursor = request.parameter("cursor")) {
+    before = whole_number(*cursor);
+    if (!before || *before < 1) return problem(400, "cursor is not one that a page has given", request.path);
+  }
+  std::optional<api::JobState> state;
+  if (const auto name = request.parameter("state")) {
+    state = api::job_state_named(*name);
+    if (!state) return problem(400, "there is no such state of a job", request.path);
+  }
+  const auto page = jobs.list(state, before, limit);
+  return page ? json_answer(job_page_json(*page)) : problem(page.error(), request.path);
+}
+
+/// GET /v1/jobs/{id}, operationId getJob.
+HttpAnswer get_job(JobService& jobs, const HttpRequest& request, const PathValues& values) {
+  const auto job = jobs.job(values.at("id"));
+  return job ? json_answer(job_json(*job)) : problem(job.error(), request.path);
+}
+
+/// POST /v1/jobs/{id}/cancel, operationId cancelJob.
+HttpAnswer cancel_job(JobService& jobs, const HttpRequest& request, const PathValues& values) {
+  const auto job = jobs.cancel(values.at("id"));
+  return job ? json_answer(job_json(*job), 202) : problem(job.error(), request.path);
+}
+
+/// DELETE /v1/jobs/{id}, operationId deleteJob.
+HttpAnswer delete_job(JobService& jobs, const HttpRequest& request, const PathValues& values) {
+  const api::Status removed = jobs.remove(values.at("id"));
+  if (!removed) return problem(removed.error(), request.path);
+  HttpAnswer answer;
+  answer.status = 204;
+  return answer;
+}
+
+HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_view path) {
+  if (refusal.status == 0 || refusal.status == 422) return problem(refusal.error, path);
+  return problem(refusal.status, refusal.error.message, path);
+}
+
+}  // namespace
+
+void add_job_routes(Router& router, JobService& jobs) {
+  router.add("GET", "/v1/jobs", [&jobs](const auto& request, const auto&) { return list_jobs(jobs, request); });
+  router.add("GET", "/v1/jobs/{id}",
+             [&jobs](const auto& request, const auto& values) { return get_job(jobs, request, values); });
+  router.add("DELETE", "/v1/jobs/{id}",
+             [&jobs](const auto& request, const auto& values) { return delete_job(jobs, request, values); });
+  router.add("POST", "/v1/jobs/{id}/cancel",
+             [&jobs](const auto& request, const auto& values) { return cancel_job(jobs, request, values); });
+}
+
+std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const UploadLimits& limits) {
+  const auto type = request.header("Content-Type");
+  if (!type || !type->starts_with("multipart/form-data"))
+    return problem(415,
+                   "the body must be multipart/form-data, as curl sends it with -F scene=@scene.obj -F "
+                   "animation=@animation.json",
+                   request.path);
+  if (request.header("Content-Encoding"))
+    return problem(415, "compressed uploads are not taken", request.path);
+  const auto length = request.header("Content-Length");
+  const auto bytes = length ? whole_number(*length) : std::nullopt;
+  if (bytes && *bytes > limits.total_bytes + kFrameBytes)
+    return problem(413, "the upload is larger than " + std::to_string(limits.total_bytes) + " bytes",
+                   request.path);
+  return std::nullopt;
+}
+
+HttpAnswer submit_job(const HttpRequest& request, const ReadParts& read_parts, JobService& jobs,
+                      const DataFolder& folder, const UploadLimits& limits) {
+  if (auto refused = refuse_upload_early(request, limits)) return *refused;
+  UploadReceiver receiver(folder, new_job_id(system_clock_ms()), limits);
+  const bool whole = read_parts({[&](auto field, auto name) { return receiver.begin_part(field, name); },
+                                 [&](auto bytes) { return receiver.take(bytes); }});
+  if (receiver.refusal()) return refusal_answer(*receiver.refusal(), request.path);
+  if (!whole) return problem(400, "the multipart body is broken or ended early", request.path);
+  const auto upload = receiver.finish();
+  if (!upload) return refusal_answer(*receiver.refusal(), request.path);
+
+  const auto job = jobs.submit(*upload);
+  if (!job) return problem(job.error(), request.path);
+  HttpAnswer answer = json_answer(job_json(*job), 202);
+  answer.headers.emplace_back("Location", "/v1/jobs/" + job->id);
+  return answer;
+}
+
+HttpAnswer json_answer(std::string body, int status) {
+  HttpAnswer answer;
+  answer.status = status;
+  answer.content_type = "application/json";
+  answer.body = std::move(body);
+  answer.headers.emplace_back("Cache-Control", "no-store");
+  return answer;
+}
+
+}  // namespace server

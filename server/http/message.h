@@ -1,0 +1,62 @@
+// A request and its answer, free of any HTTP library, so that what we answer can be tested without a socket.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/artefacts/files.h"
+
+namespace server {
+
+struct HttpRequest {
+  std::string method;  ///< as received: "GET"
+  std::string path;    ///< decoded, without the query
+  std::vector<std::pair<std::string, std::string>> query;
+  /// The header's value, or none; names in any case.
+  std::function<std::optional<std::string>(std::string_view name)> header;
+
+  std::optional<std::string> parameter(std::string_view name) const {
+    for (const auto& [key, value] : query)
+      if (key == name) return value;
+    return std::nullopt;
+  }
+};
+
+/// Bytes to be sent from a file: `prefix`, then `bytes` of the file from `offset`.
+struct FileBody {
+  FileHandle file;
+  std::string prefix;
+  std::int64_t offset = 0;
+  std::int64_t bytes = 0;
+
+  std::int64_t size() const { return static_cast<std::int64_t>(prefix.size()) + bytes; }
+  /// Copies up to `size` bytes from position `at` of the whole into `to`; 0 or less: cannot be read.
+  std::int64_t read(std::int64_t at, char* to, std::int64_t size) const;
+};
+
+/// Which bytes of the whole are sent.
+struct ByteRange {
+  std::int64_t first = 0;
+  std::int64_t count = 0;
+};
+
+struct HttpAnswer {
+  int status = 200;
+  std::string content_type;  ///< empty: no body
+  std::vector<std::pair<std::string, std::string>> headers;
+  std::string body;
+  std::shared_ptr<FileBody> file;  ///< instead of `body`
+  std::string etag;                ///< strong, without quotes; empty: none
+  bool ranges = false;             ///< ranges and conditions apply (files)
+  std::optional<ByteRange> part;   ///< set by apply_conditions
+
+  std::int64_t size() const { return file ? file->size() : static_cast<std::int64_t>(body.size()); }
+};
+
+}  // namespace server

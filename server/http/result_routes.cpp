@@ -1,0 +1,179 @@
+#include <charconv>
+#include <set>
+#include <utility>
+
+#include "server/artefacts/npy_slice.h"
+#include "server/artefacts/verify.h"
+#include "server/http/job_json.h"
+#include "server/http/problem.h"
+#include "server/http/routes.h"
+
+namespace server {
+namespace {
+
+// What a job has made never changes under its name.
+constexpr const char* kForever = "private, max-age=31536000, immutable";
+
+/// A handler for a job that must exist.
+using JobHandler = std::function<HttpAnswer(JobService&, const Job&, const HttpRequest&, const PathValues&)>;
+
+void add(Router& router, JobService& jobs, std::string pattern, JobHandler handler) {
+  router.add("GET", std::move(pattern),
+             [&jobs, handler = std::move(handler)](const HttpRequest& request, const PathValues& values) {
+               const auto job = jobs.job(values.at("id"));
+               if (!job) return problem(job.error(), request.path);
+               return handler(jobs, *job, request, values);
+             });
+}
+
+HttpAnswer file_answer(FileBody body, std::string content_type, std::string etag) {
+  HttpAnswer answer;
+  answer.content_type = std::move(content_type);
+  answer.file = std::make_shared<FileBody>(std::move(body));
+  answer.etag = std::move(etag);
+  answer.ranges = true;
+  return answer;
+}
+
+HttpAnswer artefact_answer(JobService& jobs, const Job& job, const HttpRequest& request, std::string_view path) {
+  const auto artefact = jobs.artefact(job, path);
+  if (!artefact) return problem(artefact.error(), request.path);
+  auto file = open_below(jobs.folder_of(job) / "artefacts", artefact->path);
+  if (!file) return problem({api::Fault::internal, file.error().message}, request.path);
+  HttpAnswer answer = file_answer({std::move(*file), {}, 0, artefact->bytes}, artefact->media_type, artefact->sha256);
+  answer.headers.emplace_back("Cache-Control", kForever);
+  return answer;
+}
+
+/// The frame in the path, if the job has it.
+api::Result<std::uint32_t> frame_of(const Job& job, const PathValues& values) {
+  const std::string& digits = values.at("f");
+  std::uint32_t frame = 0;
+  const auto parsed = std::from_chars(digits.data(), digits.data() + digits.size(), frame);
+  if (parsed.ec != std::errc() || parsed.ptr != digits.data() + digits.size() || frame >= job.frame_count)
+    return api::Error{api::Fault::not_found, "the job has the frames 0 to " + std::to_string(job.frame_count - 1)};
+  return frame;
+}
+
+/// The camera asked for, or the only one.
+api::Result<std::string> camera_of(JobService& jobs, const Job& job, const HttpRequest& request,
+                                   std::uint32_t frame) {
+  if (auto given = request.parameter("camera")) return *given;
+  const auto artefacts = jobs.artefacts(job);
+  if (!artefacts) return artefacts.error();
+  const auto images = images_by_frame(*artefacts, job.frame_count);
+  const auto& cameras = images[frame].cameras;
+  if (cameras.empty()) return api::Error{api::Fault::not_found, "the job has no such picture"};
+  if (cameras.size() == 1) return cameras.front().name;
+  std::string names;
+  for (const auto& camera : cameras) names += (names.empty() ? "" : ", ") + camera.name;
+  return api::Error{api::Fault::invalid_request, "which camera? There are " + names};
+}
+
+/// GET .../frames/{f}/image.png and image.exr
+HttpAnswer image(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues& values,
+                 std::string_view extension) {
+  const auto frame = frame_of(job, values);
+  if (!frame) return problem(frame.error(), request.path);
+  const auto camera = camera_of(jobs, job, request, *frame);
+  if (!camera && camera.error().fault == api::Fault::invalid_request)
+    return problem(400, camera.error().message, request.path);
+  if (!camera) return problem(camera.error(), request.path);
+  return artefact_answer(jobs, job, request, image_path(*camera, *frame, extension));
+}
+
+/// GET .../frames/{f}/radiosity.npy, operationId getFrameRadiosity.
+HttpAnswer frame_radiosity(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues& values) {
+  const auto frame = frame_of(job, values);
+  if (!frame) return problem(frame.error(), request.path);
+  HttpAnswer answer = artefact_answer(jobs, job, request, "radiosity.npy");
+  if (answer.status != 200) return answer;
+  const auto slice = frame_slice(answer.file->file, *frame);
+  if (!slice) return problem(slice.error(), request.path);
+  answer.file->prefix = slice->header;
+  answer.file->offset = slice->offset;
+  answer.file->bytes = slice->bytes;
+  // The hash of the whole and the frame name these bytes as surely as their own hash would.
+  answer.etag.append("-").append(std::to_string(*frame));
+  return answer;
+}
+
+api::Status must_have_results(const Job& job) {
+  if (job.state == api::JobState::succeeded) return api::Done{};
+  return api::Error{api::Fault::not_found, "not made yet: the job is " + std::string(api::name_of(job.state))};
+}
+
+/// GET .../frames, operationId listFrames.
+HttpAnswer list_frames(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues&) {
+  if (const api::Status here = must_have_results(job); !here) return problem(here.error(), request.path);
+  const auto frames = jobs.frames(job);
+  if (!frames) return problem(frames.error(), request.path);
+  const auto artefacts = jobs.artefacts(job);
+  if (!artefacts) return problem(artefacts.error(), request.path);
+  return json_answer(frames_json(job, *frames, images_by_frame(*artefacts, job.frame_count)));
+}
+
+/// GET .../frames/{f}, operationId getFrame.
+HttpAnswer get_frame(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues& values) {
+  const auto frame = frame_of(job, values);
+  if (!frame) return problem(frame.error(), request.path);
+  if (const api::Status here = must_have_results(job); !here) return problem(here.error(), request.path);
+  const auto frames = jobs.frames(job);
+  if (!frames) return problem(frames.error(), request.path);
+  const auto artefacts = jobs.artefacts(job);
+  if (!artefacts) return problem(artefacts.error(), request.path);
+  return json_answer(
+      frame_json(job, (*frames)[*frame], images_by_frame(*artefacts, job.frame_count)[*frame]));
+}
+
+/// GET .../report.json, operationId getReport.
+HttpAnswer get_report(JobService&, const Job& job, const HttpRequest& request, const PathValues&) {
+  if (job.report.empty())
+    return problem({api::Fault::not_found, "no attempt at the job has ended with a report yet"}, request.path);
+  HttpAnswer answer = json_answer(job.report);
+  answer.etag = sha256_of(job.report);
+  answer.ranges = true;
+  return answer;
+}
+
+/// GET .../log, operationId getLog.
+HttpAnswer get_log(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues&) {
+  auto file = open_below(jobs.folder_of(job), "worker.log");
+  if (!file) return problem({api::Fault::not_found, "no worker has written anything yet"}, request.path);
+  const auto size = size_of(*file);
+  if (!size) return problem(size.error(), request.path);
+  HttpAnswer answer = file_answer({std::move(*file), {}, 0, *size}, "text/plain; charset=utf-8", {});
+  answer.headers.emplace_back("Cache-Control", "no-store");
+  return answer;
+}
+
+JobHandler artefact_at(std::string path) {
+  return [path = std::move(path)](JobService& jobs, const Job& job, const HttpRequest& request, const PathValues&) {
+    return artefact_answer(jobs, job, request, path);
+  };
+}
+
+JobHandler image_of(std::string extension) {
+  return [extension = std::move(extension)](JobService& jobs, const Job& job, const HttpRequest& request,
+                                            const PathValues& values) {
+    return image(jobs, job, request, values, extension);
+  };
+}
+
+}  // namespace
+
+void add_result_routes(Router& router, JobService& jobs) {
+  add(router, jobs, "/v1/jobs/{id}/key-frames", artefact_at("key_frames.json"));
+  add(router, jobs, "/v1/jobs/{id}/frames", list_frames);
+  add(router, jobs, "/v1/jobs/{id}/frames/{f}", get_frame);
+  add(router, jobs, "/v1/jobs/{id}/frames/{f}/image.png", image_of("png"));
+  add(router, jobs, "/v1/jobs/{id}/frames/{f}/image.exr", image_of("exr"));
+  add(router, jobs, "/v1/jobs/{id}/frames/{f}/radiosity.npy", frame_radiosity);
+  add(router, jobs, "/v1/jobs/{id}/radiosity.npy", artefact_at("radiosity.npy"));
+  add(router, jobs, "/v1/jobs/{id}/patches.npz", artefact_at("patches.npz"));
+  add(router, jobs, "/v1/jobs/{id}/manifest.json", artefact_at("manifest.json"));
+  add(router, jobs, "/v1/jobs/{id}/report.json", get_report);
+  add(router, jobs, "/v1/jobs/{id}/log", get_log);
+}
+
+}  // namespace server

@@ -1,0 +1,70 @@
+#include "server/http/router.h"
+
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "server/http/conditions.h"
+#include "server/http/problem.h"
+
+namespace server {
+namespace {
+
+std::string_view take_segment(std::string_view& path) {
+  const std::size_t slash = path.find('/');
+  const std::string_view segment = path.substr(0, slash);
+  path = slash == path.npos ? std::string_view() : path.substr(slash + 1);
+  return segment;
+}
+
+std::optional<PathValues> match(std::string_view pattern, std::string_view path) {
+  PathValues values;
+  while (!pattern.empty() && !path.empty()) {
+    const bool more_of_pattern = pattern.find('/') != pattern.npos;
+    if (more_of_pattern != (path.find('/') != path.npos)) return std::nullopt;
+    const std::string_view wanted = take_segment(pattern);
+    const std::string_view given = take_segment(path);
+    if (wanted.starts_with('{')) {
+      if (given.empty()) return std::nullopt;
+      values.emplace(wanted.substr(1, wanted.size() - 2), given);
+    } else if (wanted != given) {
+      return std::nullopt;
+    }
+  }
+  if (!pattern.empty() || !path.empty()) return std::nullopt;
+  return values;
+}
+
+HttpAnswer not_allowed(const HttpRequest& request, const std::set<std::string>& methods) {
+  std::string allow;
+  for (const std::string& method : methods) allow += (allow.empty() ? "" : ", ") + method;
+  HttpAnswer answer = problem(405, request.method + " is not possible here, only " + allow, request.path);
+  answer.headers.emplace_back("Allow", allow);
+  return answer;
+}
+
+}  // namespace
+
+void Router::add(std::string method, std::string pattern, RouteHandler handler) {
+  routes_.push_back({std::move(method), std::move(pattern), std::move(handler)});
+}
+
+HttpAnswer Router::answer(const HttpRequest& request) const {
+  const std::string_view method = request.method == "HEAD" ? "GET" : std::string_view(request.method);
+  std::set<std::string> other_methods;
+  for (const Route& route : routes_) {
+    const auto values = match(route.pattern, request.path);
+    if (!values) continue;
+    if (route.method == method) {
+      HttpAnswer answer = route.handler(request, *values);
+      apply_conditions(request, answer);
+      return answer;
+    }
+    other_methods.insert(route.method);
+    if (route.method == "GET") other_methods.insert("HEAD");
+  }
+  if (!other_methods.empty()) return not_allowed(request, other_methods);
+  return problem(404, "there is nothing at this path", request.path);
+}
+
+}  // namespace server

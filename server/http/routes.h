@@ -1,0 +1,42 @@
+// Everything the service answers: one function per operation of api/openapi.yaml.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "server/http/message.h"
+#include "server/http/router.h"
+#include "server/http/upload_receiver.h"
+#include "server/jobs/job_service.h"
+
+namespace server {
+
+/// /v1/jobs, /v1/jobs/{id}, /v1/jobs/{id}/cancel
+void add_job_routes(Router& router, JobService& jobs);
+/// /v1/jobs/{id}/key-frames, frames, images, radiosity, patches, manifest, report, log
+void add_result_routes(Router& router, JobService& jobs);
+/// /healthz, /version, /openapi.json
+void add_service_routes(Router& router);
+
+/// The parts of a multipart body, one after the other: `begin(field, file name)`, then `take(bytes)` as often as
+/// it needs. Stops when one of them answers false. False: the body is broken or ended early.
+struct PartSink {
+  std::function<bool(std::string_view field, std::string_view file_name)> begin;
+  std::function<bool(std::string_view bytes)> take;
+};
+using ReadParts = std::function<bool(const PartSink& sink)>;
+
+/// POST /v1/jobs, operationId submitJob. Not a route of the router, because its body streams.
+HttpAnswer submit_job(const HttpRequest& request, const ReadParts& read_parts, JobService& jobs,
+                      const DataFolder& folder, const UploadLimits& limits);
+
+/// Refusals that need no body: not multipart (415), too large by its own word (413).
+std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const UploadLimits& limits);
+
+HttpAnswer json_answer(std::string body, int status = 200);
+
+/// The OpenAPI document as JSON, embedded when this was built.
+std::string_view openapi_json();
+
+}  // namespace server

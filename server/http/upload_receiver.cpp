@@ -1,0 +1,158 @@
+#include "server/http/upload_receiver.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "server/artefacts/files.h"
+
+namespace server {
+namespace {
+
+constexpr std::size_t kNameBytesMax = 200;
+constexpr std::array<std::string_view, 2> kReservedNames{"scene.obj", "animation.json"};
+
+struct Field {
+  std::string_view name;
+  InputRole role;
+  std::string_view stored_as;  ///< empty: under the part's own file name
+};
+
+constexpr std::array kFields{
+    Field{"scene", InputRole::scene, "scene.obj"},
+    Field{"materials", InputRole::material, ""},
+    Field{"textures", InputRole::texture, ""},
+    Field{"animation", InputRole::animation, "animation.json"},
+};
+
+bool same_ignoring_case(std::string_view a, std::string_view b) {
+  // Materials and textures are looked up by name whatever the case, so two such names would be one.
+  return a.size() == b.size() && ::strncasecmp(a.data(), b.data(), a.size()) == 0;
+}
+
+}  // namespace
+
+std::optional<std::string> safe_base_name(std::string_view file_name) {
+  const std::size_t slash = file_name.find_last_of("/\\");
+  const std::string_view name = slash == file_name.npos ? file_name : file_name.substr(slash + 1);
+  if (name.size() > kNameBytesMax || name.starts_with('.') || !is_plain_relative_path(name)) return std::nullopt;
+  return std::string(name);
+}
+
+UploadReceiver::UploadReceiver(const DataFolder& folder, std::string id, UploadLimits limits)
+    : folder_(folder), id_(std::move(id)), limits_(limits), input_folder_(folder.upload(id_) / "input") {
+  for (const auto& path : {input_folder_.parent_path(), input_folder_})
+    if (!refusal_ && ::mkdir(path.c_str(), 0700) != 0) refuse({0, file_error("make folder " + path.string(), errno)});
+}
+
+UploadReceiver::~UploadReceiver() {
+  if (!finished_) (void)remove_tree(folder_.upload(id_));
+}
+
+bool UploadReceiver::refuse(Refusal refusal) {
+  if (!refusal_) refusal_ = std::move(refusal);
+  return false;
+}
+
+bool UploadReceiver::refuse_part(std::string_view file, std::string_view code, std::string detail) {
+  const std::string message = "the upload is refused: " + detail;
+  return refuse({422,
+                 {api::Fault::invalid_request,
+                  message,
+                  {{std::string(file), "", 0, 0, std::string(code), std::move(detail)}}}});
+}
+
+std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::string_view file_name) {
+  const auto known = std::find_if(kFields.begin(), kFields.end(), [&](const Field& f) { return f.name == field; });
+  if (known == kFields.end()) {
+    refuse_part("", "unknown_part",
+                "there is no part '" + std::string(field.substr(0, 64)) +
+                    "'; known are scene, materials, textures, animation");
+    return std::nullopt;
+  }
+  if (!known->stored_as.empty()) return InputFile{std::string(known->stored_as), known->role, 0};
+  auto name = safe_base_name(file_name);
+  const bool reserved =
+      name && std::any_of(kReservedNames.begin(), kReservedNames.end(),
+                          [&](std::string_view other) { return same_ignoring_case(*name, other); });
+  if (!name || reserved) {
+    refuse_part("", "bad_name",
+                "a part '" + std::string(field) + "' needs a file name of its own, such as room.mtl");
+    return std::nullopt;
+  }
+  return InputFile{std::move(*name), known->role, 0};
+}
+
+bool UploadReceiver::has_room_for(const InputFile& input) {
+  for (const InputFile& other : inputs_)
+    if (same_ignoring_case(other.name, input.name))
+      return refuse_part(input.name, "duplicate_part", "'" + input.name + "' comes twice");
+  const auto of_role = static_cast<std::size_t>(std::count_if(
+      inputs_.begin(), inputs_.end(), [&](const InputFile& other) { return other.role == input.role; }));
+  const std::size_t most = input.role == InputRole::material  ? limits_.materials
+                           : input.role == InputRole::texture ? limits_.textures
+                                                              : 1;
+  if (of_role >= most)
+    return refuse({413, {api::Fault::invalid_request, "more than " + std::to_string(most) + " parts of one kind"}});
+  return true;
+}
+
+bool UploadReceiver::begin_part(std::string_view field, std::string_view file_name) {
+  if (refusal_ || !close_file()) return false;
+  auto input = input_for(field, file_name);
+  if (!input || !has_room_for(*input)) return false;
+  inputs_.push_back(std::move(*input));
+  return open_file();
+}
+
+bool UploadReceiver::open_file() {
+  const std::string path = (input_folder_ / inputs_.back().name).string();
+  file_ = FileHandle(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file_) return refuse({0, file_error(path, errno)});
+  return true;
+}
+
+bool UploadReceiver::take(std::string_view bytes) {
+  if (refusal_) return false;
+  if (inputs_.empty()) return refuse({400, {api::Fault::invalid_request, "bytes before the first part"}});
+  InputFile& input = inputs_.back();
+  input.bytes += static_cast<std::int64_t>(bytes.size());
+  total_bytes_ += static_cast<std::int64_t>(bytes.size());
+  if (total_bytes_ > limits_.total_bytes)
+    return refuse({413, {api::Fault::invalid_request,
+                         "the upload is larger than " + std::to_string(limits_.total_bytes) + " bytes"}});
+  if (input.role == InputRole::animation && input.bytes > limits_.animation_bytes)
+    return refuse({413, {api::Fault::invalid_request,
+                         "animation is larger than " + std::to_string(limits_.animation_bytes) + " bytes"}});
+  if (const api::Status written = write_all(file_, bytes); !written) return refuse({0, written.error()});
+  return true;
+}
+
+// A 202 promises that the job survives a power cut, and so its files.
+bool UploadReceiver::close_file() {
+  if (!file_) return true;
+  if (::fsync(file_.get()) != 0) return refuse({0, file_error("keep an upload", errno)});
+  if (::close(file_.release()) != 0) return refuse({0, file_error("keep an upload", errno)});
+  return true;
+}
+
+api::Result<Upload> UploadReceiver::finish() {
+  if (!refusal_) (void)close_file();
+  for (const std::string_view needed : kReservedNames) {
+    const bool here = std::any_of(inputs_.begin(), inputs_.end(),
+                                  [&](const InputFile& input) { return input.name == needed; });
+    if (!refusal_ && !here)
+      refuse_part(needed, "missing", "the part '" + std::string(needed.substr(0, needed.find('.'))) + "' is missing");
+  }
+  if (refusal_) return refusal_->error;
+  finished_ = true;
+  return Upload{id_, inputs_};
+}
+
+}  // namespace server

@@ -1,0 +1,71 @@
+// Takes the parts of a multipart upload as they come in, straight to disk, and counts them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/job_request.h"
+#include "api/result.h"
+#include "server/artefacts/data_folder.h"
+#include "server/http/message.h"
+#include "server/jobs/job_service.h"
+
+namespace server {
+
+struct UploadLimits {
+  std::int64_t total_bytes = std::int64_t{2} << 30;
+  std::int64_t animation_bytes = std::int64_t{api::kAnimationBytesMax};
+  std::size_t materials = 16;
+  std::size_t textures = 256;
+};
+
+/// Nothing is held in memory but the part at hand's name. Unless it is finished, the destructor removes what
+/// came in.
+class UploadReceiver {
+ public:
+  UploadReceiver(const DataFolder& folder, std::string id, UploadLimits limits);
+  ~UploadReceiver();
+  UploadReceiver(const UploadReceiver&) = delete;
+  UploadReceiver& operator=(const UploadReceiver&) = delete;
+
+  /// The next part begins. False: refused, read no further.
+  bool begin_part(std::string_view field, std::string_view file_name);
+  /// Bytes of the part at hand. False: refused, read no further.
+  bool take(std::string_view bytes);
+  /// All parts are here and durable. From now on the files belong to whoever has the Upload.
+  api::Result<Upload> finish();
+
+  /// Why it was refused, as HTTP tells it: 413 for too large, 422 for wrong parts, 507, 500.
+  struct Refusal {
+    int status = 0;  ///< 0: as the error's fault says
+    api::Error error;
+  };
+  const std::optional<Refusal>& refusal() const { return refusal_; }
+
+ private:
+  bool refuse(Refusal refusal);
+  bool refuse_part(std::string_view file, std::string_view code, std::string detail);
+  bool open_file();
+  bool close_file();
+  std::optional<InputFile> input_for(std::string_view field, std::string_view file_name);
+  bool has_room_for(const InputFile& input);
+
+  const DataFolder& folder_;
+  std::string id_;
+  UploadLimits limits_;
+  std::filesystem::path input_folder_;
+  FileHandle file_;
+  std::vector<InputFile> inputs_;  ///< the last one is being received
+  std::int64_t total_bytes_ = 0;
+  std::optional<Refusal> refusal_;
+  bool finished_ = false;
+};
+
+/// The last component of a file name as clients send it ("C:\\a\\b.mtl", "a/b.mtl" -> "b.mtl"), or none where
+/// that is no name to keep a file under: empty, hidden, longer than 200 bytes, with control characters.
+std::optional<std::string> safe_base_name(std::string_view file_name);
+
+}  // namespace server
