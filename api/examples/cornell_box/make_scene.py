@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """The Cornell box, 5.5 m wide, with a short block that slides and turns from the green wall to the red one.
 
-Measured dimensions of the real box (Cornell Program of Computer Graphics) in millimetres, one of which
-stands for a centimetre here: metres_per_unit is 0.01. y up; the open front faces -z, and the camera.
+The measured dimensions of the real box (Cornell Program of Computer Graphics), with its walls made straight;
+their millimetres stand for centimetres here: metres_per_unit is 0.01. y up; the open front faces -z, and
+the camera.
 
 usage: make_scene.py [FOLDER]    writes scene.obj, cornell_box.mtl and animation.json
 """
@@ -15,6 +16,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from scene_writer import Obj, json_text, keys, write  # noqa: E402
 
 FRAMES = 48
+ROOM = (0, 0, 0), (555, 548.8, 559.2)
 DOWN, UP = (0, -1, 0), (0, 1, 0)
 LIGHT_Y = 548.6  # just below the ceiling
 SHORT_BLOCK = ((130, 65), (82, 225), (240, 272), (290, 114)), 165  # (x, z) of the corners, height
@@ -36,13 +38,14 @@ def cornell_box():
     obj = Obj("Cornell box. Centimetres, y up. Written by make_scene.py.", "cornell_box.mtl")
     obj.object("room")
     obj.material("white")
-    obj.polygon([(552.8, 0, 0), (0, 0, 0), (0, 0, 559.2), (549.6, 0, 559.2)], UP)
-    obj.polygon([(556, 548.8, 0), (556, 548.8, 559.2), (0, 548.8, 559.2), (0, 548.8, 0)], DOWN)
-    obj.polygon([(549.6, 0, 559.2), (0, 0, 559.2), (0, 548.8, 559.2), (556, 548.8, 559.2)], (0, 0, -1))
+    low, high = ROOM
+    obj.side(low, high, 1, low[1], 1)
+    obj.side(low, high, 1, high[1], -1)
+    obj.side(low, high, 2, high[2], -1)
     obj.material("green")
-    obj.polygon([(0, 0, 559.2), (0, 0, 0), (0, 548.8, 0), (0, 548.8, 559.2)], (1, 0, 0))
+    obj.side(low, high, 0, low[0], 1)
     obj.material("red")
-    obj.polygon([(552.8, 0, 0), (549.6, 0, 559.2), (556, 548.8, 559.2), (556, 548.8, 0)], (-1, 0, 0))
+    obj.side(low, high, 0, high[0], -1)
     obj.object("light")
     obj.material("light")
     obj.polygon([(343, LIGHT_Y, 227), (343, LIGHT_Y, 332), (213, LIGHT_Y, 332), (213, LIGHT_Y, 227)], DOWN)

@@ -296,11 +296,39 @@ TEST(ParseJobRequest, WholeNumbersMayBeWrittenWithAPointButNotLost) {
               (List{"out_of_range /lighting/seed"}));
 }
 
+TEST(ParseJobRequest, ADocumentThatBreaksOffAnywhereIsASyntaxErrorAtItsEnd) {
+  const std::string whole =
+      R"({"name":"é\"","frames":{"count":12,"fps":2.5e1},"up":"z","images":[],"allow_dark":true})";
+  ASSERT_TRUE(parse_job_request(whole));
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    const auto request = parse_job_request(std::string_view(whole).substr(0, size));
+    ASSERT_FALSE(request) << size;
+    ASSERT_EQ(request.error().violations.size(), 1u) << size;
+    const Violation& violation = request.error().violations[0];
+    EXPECT_EQ(violation.code, "syntax") << size;
+    EXPECT_EQ(violation.line, 1u) << size;
+    EXPECT_EQ(violation.column, size + 1) << size;
+  }
+}
+
+TEST(ParseJobRequest, AnyByteMayBeWrongWithoutHarm) {
+  const std::string whole =
+      R"({"frames":{"count":12},"objects":{"a":{"rotate":{"quaternion":[0,0,0,1]},"scale":2}}})";
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    for (int byte = 0; byte < 256; ++byte) {
+      std::string document = whole;
+      document[i] = static_cast<char>(byte);
+      const auto request = parse_job_request(document);
+      EXPECT_TRUE(request || !request.error().violations.empty()) << i << " " << byte;
+    }
+  }
+}
+
 // A hostile document must not take long because names are looked up one by one.
 TEST(ParseJobRequest, RefusesAMillionMembersQuickly) {
   std::string document = "{";
   while (document.size() < kAnimationBytesMax - 20)
-    document += "\"" + std::to_string(document.size()) + "\":0,";
+    document.append(1, '"').append(std::to_string(document.size())).append("\":0,");
   document.back() = '}';
   EXPECT_EQ(refusals(document).size(), kViolationsMax);
 }

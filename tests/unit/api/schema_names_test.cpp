@@ -1,0 +1,74 @@
+// Names that stand in the schemas, in openapi.yaml and in the code are the same names.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "api/job_report.h"
+#include "api/job_status.h"
+#include "api/json/json_text.h"
+#include "api/progress_line.h"
+#include "tests/unit/api/test_files.h"
+
+namespace api {
+namespace {
+
+ParsedJson schema(const std::string& name) {
+  return ParsedJson::parse(read_file(source_path("api/schemas/" + name + ".schema.json")));
+}
+
+/// Every stage there is, in the order they run.
+std::vector<std::string> stage_names() {
+  std::vector<std::string> names;
+  for (int i = 0; i <= static_cast<int>(Stage::publish); ++i)
+    names.emplace_back(name_of(static_cast<Stage>(i)));
+  return names;
+}
+
+std::string flow_list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+TEST(SchemaNames, StagesAreTheCodes) {
+  EXPECT_EQ(schema("progress_line")["properties"]["stage"]["enum"], ParsedJson(stage_names()));
+  EXPECT_NE(read_file(source_path("api/openapi.yaml")).find("enum: [" + flow_list(stage_names()) + ", null]"),
+            std::string::npos);
+}
+
+TEST(SchemaNames, StatesAreTheCodes) {
+  std::vector<std::string> names;
+  for (const JobState state : kJobStates) names.emplace_back(name_of(state));
+  EXPECT_NE(read_file(source_path("api/openapi.yaml")).find("enum: [" + flow_list(names) + "]"),
+            std::string::npos);
+}
+
+/// The report with one frame of each kind, as its schema must describe it.
+TEST(SchemaNames, FrameKindsAndModesAreTheCodes) {
+  const ParsedJson key_frames = schema("key_frames");
+  ParsedJson kinds, modes;
+  for (const FrameKind kind : {FrameKind::key, FrameKind::check, FrameKind::interpolated})
+    kinds.push_back(
+        ParsedJson::parse(key_frame_report_json({{}, {{0, kind, 0.0}}, {}}))["frames"][0]["kind"]);
+  for (const LightingMode mode :
+       {LightingMode::standard, LightingMode::paper, LightingMode::paper_literal, LightingMode::reference})
+    modes.push_back(ParsedJson::parse(key_frame_report_json({mode, {}, {}}))["mode"]);
+  EXPECT_EQ(key_frames["$defs"]["kind"]["enum"], kinds);
+  EXPECT_EQ(key_frames["properties"]["mode"]["enum"], modes);
+  EXPECT_EQ(schema("job")["$defs"]["lighting"]["properties"]["mode"]["enum"], modes);
+}
+
+TEST(SchemaNames, EveryCodeOfARejectedExampleIsListed) {
+  const std::string listed = schema("problem")["$defs"]["error"]["properties"]["code"]["description"];
+  for (const auto& entry : std::filesystem::directory_iterator(source_path("api/examples/rejected"))) {
+    const auto expected = ParsedJson::parse(read_file(entry.path() / "expected.json"));
+    for (const auto& error : expected["errors"]) {
+      const std::string code = error["code"];
+      EXPECT_NE(listed.find("`" + code + "`"), std::string::npos) << code;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace api
