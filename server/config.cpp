@@ -49,12 +49,11 @@ bool is_program(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
 }
 
-/// Beside this program as it is installed, where the build puts it, or along PATH.
+/// Beside this program, or along PATH.
 std::filesystem::path find_worker() {
   std::error_code error;
   const auto here = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-  for (const auto& path : {here / "keylume", here.parent_path() / "engine/worker/keylume"})
-    if (is_program(path)) return path;
+  if (is_program(here / "keylume")) return here / "keylume";
   const char* variable = std::getenv("PATH");
   std::string_view folders = variable ? variable : "";
   while (!folders.empty()) {

@@ -74,6 +74,10 @@ HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_vi
 
 void add_job_routes(Router& router, JobService& jobs) {
   router.add("GET", "/v1/jobs", [&jobs](const auto& request, const auto&) { return list_jobs(jobs, request); });
+  // Its body streams, so http_server.cpp calls submit_job instead; here it stands for 405 and for the contract.
+  router.add("POST", "/v1/jobs", [](const auto& request, const auto&) {
+    return problem(415, "the body must be multipart/form-data", request.path);
+  });
   router.add("GET", "/v1/jobs/{id}",
              [&jobs](const auto& request, const auto& values) { return get_job(jobs, request, values); });
   router.add("DELETE", "/v1/jobs/{id}",
