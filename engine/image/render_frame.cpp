@@ -45,10 +45,13 @@ void trace_pixel(const Stage3d& stage, const PinholeCamera& camera, const Moving
   }
 }
 
-Rgb radiance(std::span<const NodeWeight> pixel, const std::vector<Rgb>& node_radiosity) {
-  Rgb sum;
-  for (const NodeWeight& part : pixel) sum += part.weight * node_radiosity[part.node];
-  return sum * std::numbers::inv_pi_v<float>;
+void set_pixel(std::span<const NodeWeight> blend, std::span<const NodeValues> node_values, std::uint32_t x,
+               std::uint32_t y, std::vector<Image>& images) {
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    Rgb radiosity;
+    for (const NodeWeight& part : blend) radiosity += part.weight * node_values[k][part.node];
+    images[k].at(x, y) = radiosity * std::numbers::inv_pi_v<float>;
+  }
 }
 
 std::span<const NodeWeight> seen_at(const StaticView::Row& row, std::uint32_t x) {
@@ -67,19 +70,19 @@ bool meets_motion(const FrameView& view, std::span<const SubPixel> samples, std:
   });
 }
 
-void render_row(const Stage3d& stage, const FrameView& view, std::span<const SubPixel> samples,
-                std::uint32_t y, Image& image) {
-  std::vector<NodeWeight> pixel;
-  for (std::uint32_t x = 0; x < image.width; ++x) {
+void render_row(const Stage3d& stage, const FrameView& view, std::span<const NodeValues> node_values,
+                std::span<const SubPixel> samples, std::uint32_t y, std::vector<Image>& images) {
+  std::vector<NodeWeight> blend;
+  for (std::uint32_t x = 0; x < view.camera.width; ++x) {
     const bool may_move = std::any_of(view.motion.begin(), view.motion.end(),
                                       [&](const PixelRect& rect) { return rect.contains(x, y); });
     if (view.static_view && !(may_move && meets_motion(view, samples, x, y))) {
-      image.at(x, y) = radiance(seen_at(view.static_view->rows[y], x), view.node_radiosity);
+      set_pixel(seen_at(view.static_view->rows[y], x), node_values, x, y, images);
       continue;
     }
-    pixel.clear();
-    trace_pixel(stage, view.camera, &view.moving_rays, view.slot, samples, x, y, pixel);
-    image.at(x, y) = radiance(pixel, view.node_radiosity);
+    blend.clear();
+    trace_pixel(stage, view.camera, &view.moving_rays, view.slot, samples, x, y, blend);
+    set_pixel(blend, node_values, x, y, images);
   }
 }
 
@@ -130,14 +133,17 @@ std::unique_ptr<StaticView> see_static(const Stage3d& stage, const PinholeCamera
   return whole && bytes <= bytes_max ? std::move(view) : nullptr;
 }
 
-api::Result<Image> render_frame(const Stage3d& stage, const FrameView& view, std::uint32_t samples_per_pixel,
-                                const std::function<bool()>& stop_requested) {
-  Image image(view.camera.width, view.camera.height);
+api::Result<std::vector<Image>> render_frame(const Stage3d& stage, const FrameView& view,
+                                             std::span<const NodeValues> node_values_w_m2,
+                                             std::uint32_t samples_per_pixel,
+                                             const std::function<bool()>& stop_requested) {
+  std::vector<Image> images(node_values_w_m2.size(), Image(view.camera.width, view.camera.height));
   const auto samples = sub_pixels(samples_per_pixel);
-  const bool whole = for_each_row(image.height, stop_requested,
-                                  [&](std::uint32_t y) { render_row(stage, view, samples, y, image); });
+  const bool whole = for_each_row(view.camera.height, stop_requested, [&](std::uint32_t y) {
+    render_row(stage, view, node_values_w_m2, samples, y, images);
+  });
   if (!whole) return api::Error{api::Fault::stopped, "stopped while rendering images"};
-  return image;
+  return images;
 }
 
 std::vector<PixelRect> pixels_with_motion(const Patches& patches, const Animation& animation,

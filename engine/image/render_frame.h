@@ -1,4 +1,4 @@
-// One camera, one frame -> one image in memory.
+// One camera, one frame -> images in memory.
 #pragma once
 
 #include <cstdint>
@@ -42,17 +42,22 @@ std::unique_ptr<StaticView> see_static(const Stage3d& stage, const PinholeCamera
 struct FrameView {
   PinholeCamera camera;
   const MovingRays& moving_rays;
-  std::uint32_t slot = 0;                  ///< of moving_rays' window
-  const std::vector<Rgb>& node_radiosity;  ///< of this frame, see node_radiosity()  [W/m^2]
+  std::uint32_t slot = 0;  ///< of moving_rays' window
   /// Where the moving facets can be, if `static_view` is given; pixels elsewhere are taken from it.
   std::vector<PixelRect> motion;
   const StaticView* static_view = nullptr;  ///< of the same camera and sample count, or none
 };
 
-/// Radiance B / pi, box-filtered over each pixel; black where a ray meets nothing or the back of a one-sided
-/// facet. Rows run in parallel. Error: stopped.
-api::Result<Image> render_frame(const Stage3d& stage, const FrameView& view, std::uint32_t samples_per_pixel,
-                                const std::function<bool()>& stop_requested);
+/// Radiosity of every node of the mesh in one frame, see node_radiosity().  [W/m^2]
+using NodeValues = std::span<const Rgb>;
+
+/// One image per element of `node_values_w_m2`, since rays cost more than sums: radiance B / pi, box-filtered
+/// over each pixel; black where a ray meets nothing or the back of a one-sided facet. Rows run in parallel.
+/// Error: stopped.
+api::Result<std::vector<Image>> render_frame(const Stage3d& stage, const FrameView& view,
+                                             std::span<const NodeValues> node_values_w_m2,
+                                             std::uint32_t samples_per_pixel,
+                                             const std::function<bool()>& stop_requested);
 
 /// Around each object that moves and is there in `frame`: the pixels that can see it.
 std::vector<PixelRect> pixels_with_motion(const Patches& patches, const Animation& animation,

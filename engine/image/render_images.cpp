@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <mutex>
+#include <numbers>
 #include <optional>
 
 #include "engine/base/durable_file.h"
@@ -55,8 +56,14 @@ api::Status publish(const Sequence& sequence, const std::string& name,
   return file->publish();
 }
 
-api::Status render_and_write(const Sequence& sequence, FrameIndex frame,
-                             const std::vector<Rgb>& node_values_w_m2) {
+std::vector<Rgb> limited(NodeValues values, float largest) {
+  std::vector<Rgb> out(values.begin(), values.end());
+  for (Rgb& value : out)
+    value = {std::min(value.r, largest), std::min(value.g, largest), std::min(value.b, largest)};
+  return out;
+}
+
+api::Status render_and_write(const Sequence& sequence, FrameIndex frame, NodeValues node_values_w_m2) {
   const api::ImageOptions& options = sequence.options;
   const Patches& patches = sequence.stage.patches;
   // A tree per frame: its few facets build faster than a ray passes 128 poses of them.
@@ -64,25 +71,32 @@ api::Status render_and_write(const Sequence& sequence, FrameIndex frame,
   FrameView view{pinhole_camera(sequence.poses[frame], options.width, options.height),
                  moving,
                  0,
-                 node_values_w_m2,
                  {},
                  sequence.static_view.get()};
   if (view.static_view) view.motion = pixels_with_motion(patches, sequence.animation, frame, view.camera);
+
+  std::vector<NodeValues> wanted;
+  std::vector<Rgb> shown;
+  if (options.png) {
+    shown = limited(node_values_w_m2, sequence.display.white_radiance() * std::numbers::pi_v<float>);
+    wanted.push_back(shown);
+  }
+  if (options.exr) wanted.push_back(node_values_w_m2);
   const auto& stop = sequence.progress.stop_requested;
-  const auto image = render_frame(sequence.stage, view, options.samples_per_pixel, stop);
-  if (!image) return image.error();
-  if (options.png)
-    if (auto done = publish(sequence, file_name(frame, "png"), encode_png(*image, sequence.display, stop));
-        !done)
-      return done;
-  if (options.exr) return publish(sequence, file_name(frame, "exr"), encode_exr(*image, stop));
+  const auto images = render_frame(sequence.stage, view, wanted, options.samples_per_pixel, stop);
+  if (!images) return images.error();
+  if (options.png) {
+    const auto png = encode_png(images->front(), sequence.display, stop);
+    if (auto done = publish(sequence, file_name(frame, "png"), png); !done) return done;
+  }
+  if (options.exr) return publish(sequence, file_name(frame, "exr"), encode_exr(images->back(), stop));
   return api::Done{};
 }
 
 /// As many frames as fit the memory that a block may take.
 std::uint32_t block_frames(const Sequence& sequence) {
   const std::size_t pixels = std::size_t{sequence.options.width} * sequence.options.height;
-  const std::size_t bytes = sizeof(Rgb) * (2 * pixels + sequence.stage.mesh.node_count);
+  const std::size_t bytes = 2 * sizeof(Rgb) * (pixels + sequence.stage.mesh.node_count);
   return static_cast<std::uint32_t>(std::clamp<std::size_t>(kBlockBytesMax / bytes, 1, kBlockFramesMax));
 }
 

@@ -18,13 +18,16 @@ double hable(double x) {
 constexpr double kWhite = 11.2;
 
 /// k: where h(k 0.18) / h(11.2) = 0.18, found by bisection; h rises.
-double grey_keeping_scale() {
-  double low = 1, high = 10;
-  for (int step = 0; step < 60; ++step) {
-    const double middle = 0.5 * (low + high);
-    (hable(middle * kMiddleGrey) < kMiddleGrey * hable(kWhite) ? low : high) = middle;
-  }
-  return low;
+double filmic_scale() {
+  static const double scale = [] {
+    double low = 1, high = 10;
+    for (int step = 0; step < 60; ++step) {
+      const double middle = 0.5 * (low + high);
+      (hable(middle * kMiddleGrey) < kMiddleGrey * hable(kWhite) ? low : high) = middle;
+    }
+    return low;
+  }();
+  return scale;
 }
 
 bool emits_ever(const std::vector<Rgb>& exitance) {
@@ -60,8 +63,7 @@ double auto_exposure_factor(const Patches& patches, const Animation& animation,
 
 double tone_curve(api::ToneMap tone_map, double exposed) {
   if (tone_map == api::ToneMap::clip) return std::min(exposed, 1.0);
-  static const double scale = grey_keeping_scale();
-  return std::min(hable(std::min(scale * exposed, kWhite)) / hable(kWhite), 1.0);
+  return std::min(hable(std::min(filmic_scale() * exposed, kWhite)) / hable(kWhite), 1.0);
 }
 
 double srgb_encode(double light) {
@@ -70,6 +72,8 @@ double srgb_encode(double light) {
 
 DisplayTable::DisplayTable(api::ToneMap tone_map, double exposure_factor)
     : factor_(static_cast<float>(exposure_factor)), encoded_(kPoints) {
+  const double white = tone_map == api::ToneMap::clip ? 1.0 : kWhite / filmic_scale();
+  white_radiance_ = static_cast<float>(white / exposure_factor);
   for (std::uint32_t i = 0; i < kPoints; ++i) {
     const auto exposed = std::bit_cast<float>((kFirstIndex + i) << kFractionBits);
     encoded_[i] = static_cast<float>(255 * srgb_encode(tone_curve(tone_map, exposed)));

@@ -39,8 +39,12 @@ class DisplayTable {
   DisplayTable(api::ToneMap tone_map, double exposure_factor);
   std::uint8_t operator()(float radiance) const;
 
+  /// From here up everything is shown as 255. Light that is limited to it before pixels are filtered looks
+  /// the same, but the edges of lamps get shades between lamp and background instead of steps.
+  float white_radiance() const { return white_radiance_; }
+
  private:
-  float factor_;
+  float factor_, white_radiance_;
   std::vector<float> encoded_;  ///< 0 .. 255 at the table's points, see the .cpp
 };
 
