@@ -30,7 +30,8 @@ class Memory(ServiceTestCase):
         Path(f"/proc/{pid}/clear_refs").write_text("5")  # the highest mark starts anew
         job_id = self.submitted(service, job)
         highest = resident_bytes(pid, "VmHWM")
-        self.assertLess(highest - at_rest, 32 * MIB, f"{at_rest / MIB:.1f} -> {highest / MIB:.1f} MiB")
+        print(f"at rest {at_rest / MIB:.1f} MiB, highest during the upload {highest / MIB:.1f} MiB")
+        self.assertLess(highest - at_rest, 32 * MIB)
         self.assertEqual((service.job_folder(job_id) / "input/scene.obj").stat().st_size,
                          (job / "scene.obj").stat().st_size, "all of it arrived")
 

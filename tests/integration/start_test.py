@@ -3,7 +3,7 @@
 import subprocess
 import unittest
 
-from service import Service, ServiceTestCase
+from service import Service, ServiceTestCase, wait_until
 from small_jobs import write_job
 
 
@@ -29,6 +29,7 @@ class Start(ServiceTestCase):
         service = self.service()
         job_id = self.submitted(service, write_job(self.folder / "job", frames=16, line_count=3_000_000))
         service.wait_for(job_id, ["running"], 20)
+        wait_until(service.worker_pids, 5, "a worker")
         self.assertEqual(service.stop(), 0)
         self.assertEqual(service.worker_pids(), [])
 
