@@ -149,11 +149,17 @@ api::Result<std::vector<Image>> render_frame(const Stage3d& stage, const FrameVi
 std::vector<PixelRect> pixels_with_motion(const Patches& patches, const Animation& animation,
                                           FrameIndex frame, const PinholeCamera& camera) {
   struct Box {
+    const Pose* pose = nullptr;  ///< none: rests, or is not there
     Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
   };
   std::vector<Box> boxes(animation.objects.size());
+  for (std::size_t o = 0; o < boxes.size(); ++o)
+    if (!animation.objects[o].is_static(animation.frame_count))
+      for (const PlacedRange& range : placed_ranges(animation.objects[o], std::span(&frame, 1)))
+        boxes[o].pose = range.pose;
   for (const Facet& facet : patches.facets) {
     Box& box = boxes[facet.object];
+    if (!box.pose) continue;
     const Vec3 u_end = facet.origin + facet.edge_u, v_end = facet.origin + facet.edge_v;
     for (const Vec3 p : {facet.origin, u_end, v_end, u_end + facet.edge_v}) {
       box.low = min(box.low, p);
@@ -161,15 +167,12 @@ std::vector<PixelRect> pixels_with_motion(const Patches& patches, const Animatio
     }
   }
   std::vector<PixelRect> rects;
-  for (std::size_t o = 0; o < boxes.size(); ++o) {
-    const ObjectMotion& motion = animation.objects[o];
-    if (motion.is_static(animation.frame_count) || boxes[o].low.x > boxes[o].high.x) continue;
-    for (const PlacedRange& range : placed_ranges(motion, std::span(&frame, 1))) {
-      auto corners = box_corners(boxes[o].low, boxes[o].high);
-      for (Vec3& corner : corners) corner = transform_point(*range.pose, corner);
-      const PixelRect rect = pixels_around(camera, corners);
-      if (rect.x0 < rect.x1) rects.push_back(rect);
-    }
+  for (const Box& box : boxes) {
+    if (box.low.x > box.high.x) continue;
+    auto corners = box_corners(box.low, box.high);
+    for (Vec3& corner : corners) corner = transform_point(*box.pose, corner);
+    const PixelRect rect = pixels_around(camera, corners);
+    if (rect.x0 < rect.x1) rects.push_back(rect);
   }
   return rects;
 }

@@ -110,7 +110,9 @@ api::Status render_all(const Sequence& sequence, const PatchSeries& radiosity_w_
   for (FrameIndex first = 0; first < frame_count; first += static_cast<FrameIndex>(node_values.size())) {
     const auto count = std::min<std::size_t>(node_values.size(), frame_count - first);
     const std::span values(node_values.data(), count);
-    node_radiosity(sequence.stage.mesh, sequence.stage.patches, radiosity_w_m2, first, values);
+    if (!node_radiosity(sequence.stage.mesh, sequence.stage.patches, radiosity_w_m2, first,
+                        sequence.progress.stop_requested, values))
+      return api::Error{api::Fault::stopped, "stopped while rendering images"};
     std::vector<std::optional<api::Error>> errors(count);
     parallel_for(count, [&](std::size_t k) {
       const auto status = render_and_write(sequence, first + static_cast<FrameIndex>(k), values[k]);

@@ -1,6 +1,7 @@
 #include "engine/image/shading_mesh.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "engine/base/parallel.h"
@@ -134,11 +135,17 @@ ShadingMesh build_shading_mesh(const Patches& patches) {
   return mesh;
 }
 
-void node_radiosity(const ShadingMesh& mesh, const Patches& patches, const PatchSeries& radiosity_w_m2,
-                    std::uint32_t first_frame, std::span<std::vector<Rgb>> values_w_m2) {
+bool node_radiosity(const ShadingMesh& mesh, const Patches& patches, const PatchSeries& radiosity_w_m2,
+                    std::uint32_t first_frame, const std::function<bool()>& stop_requested,
+                    std::span<std::vector<Rgb>> values_w_m2) {
   for (auto& values : values_w_m2) values.resize(mesh.node_count);
   constexpr std::uint32_t kChunk = 1024;
+  std::atomic<bool> stopped = false;
   parallel_for((mesh.node_count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    if (stopped || stop_requested()) {
+      stopped = true;
+      return;
+    }
     const auto first = static_cast<std::uint32_t>(chunk * kChunk);
     const std::uint32_t end = std::min(first + kChunk, mesh.node_count);
     std::vector<Rgb> sum(values_w_m2.size());
@@ -156,6 +163,7 @@ void node_radiosity(const ShadingMesh& mesh, const Patches& patches, const Patch
     }
   });
   parallel_for(values_w_m2.size(), [&](std::size_t f) { close_seams(mesh.seams, values_w_m2[f]); });
+  return !stopped;
 }
 
 NodeBlend blend_at(const ShadingMesh& mesh, const Patches& patches, std::uint32_t facet_index, float u,

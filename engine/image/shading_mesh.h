@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -34,9 +35,10 @@ std::uint32_t grid_place_count(const Facet& facet);
 std::uint32_t grid_place(const Facet& facet, std::uint32_t i, std::uint32_t j);
 
 /// Radiosity of every node in the frames [first_frame, first_frame + values.size()); values[k] is resized to
-/// node_count.  [W/m^2]
-void node_radiosity(const ShadingMesh& mesh, const Patches& patches, const PatchSeries& radiosity_w_m2,
-                    std::uint32_t first_frame, std::span<std::vector<Rgb>> values_w_m2);
+/// node_count.  [W/m^2] False when stopped; the values then mean nothing.
+bool node_radiosity(const ShadingMesh& mesh, const Patches& patches, const PatchSeries& radiosity_w_m2,
+                    std::uint32_t first_frame, const std::function<bool()>& stop_requested,
+                    std::span<std::vector<Rgb>> values_w_m2);
 
 struct NodeWeight {
   std::uint32_t node = 0;

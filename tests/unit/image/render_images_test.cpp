@@ -190,10 +190,11 @@ TEST(RenderFrame, WhatAStandingCameraKeepsGivesTheSameAsTracingAgain) {
   const engine::StaticRays rays(*furnace.patches, furnace.animation);
   const auto mesh = engine::build_shading_mesh(*furnace.patches);
   std::vector<std::vector<Rgb>> nodes(1);
-  engine::node_radiosity(mesh, *furnace.patches, tests::series_of(*furnace.patches, 4, rough), 0, nodes);
+  const auto never = [] { return false; };
+  engine::node_radiosity(mesh, *furnace.patches, tests::series_of(*furnace.patches, 4, rough), 0, never,
+                         nodes);
   const engine::Stage3d stage{*furnace.patches, mesh, rays};
   const auto camera = engine::pinhole_camera(kIntoTheCorner, 200, 150);
-  const auto never = [] { return false; };
   const auto seen = engine::see_static(stage, camera, 5, 100 << 20, never);
   ASSERT_TRUE(seen);
   for (engine::FrameIndex f = 0; f < 4; ++f) {

@@ -10,6 +10,8 @@ using engine::Rgb;
 using engine::Vec3;
 using tests::add_polygon;
 
+const auto never = [] { return false; };
+
 struct Shaded {
   engine::Patches patches;
   engine::ShadingMesh mesh;
@@ -38,7 +40,8 @@ Shaded shade(const engine::Scene& scene, double edge_m,
   EXPECT_TRUE(patches);
   Shaded shaded{*patches, engine::build_shading_mesh(*patches), {}};
   std::vector<std::vector<Rgb>> values(1);
-  engine::node_radiosity(shaded.mesh, shaded.patches, tests::series_of(shaded.patches, 1, field), 0, values);
+  engine::node_radiosity(shaded.mesh, shaded.patches, tests::series_of(shaded.patches, 1, field), 0, never,
+                         values);
   shaded.nodes = values[0];
   return shaded;
 }
@@ -169,9 +172,9 @@ TEST(ShadingMesh, BlocksOfFramesGiveTheValuesOfSingleFrames) {
   for (engine::PatchId p = 0; p < patches->count(); ++p)
     for (std::uint32_t f = 0; f < 5; ++f) series.at(p, f).g = static_cast<float>(p % 7 + 10 * f);
   std::vector<std::vector<Rgb>> block(4), one(1);
-  engine::node_radiosity(mesh, *patches, series, 1, block);
+  engine::node_radiosity(mesh, *patches, series, 1, never, block);
   for (std::uint32_t f = 1; f < 5; ++f) {
-    engine::node_radiosity(mesh, *patches, series, f, one);
+    engine::node_radiosity(mesh, *patches, series, f, never, one);
     EXPECT_EQ(one[0], block[f - 1]) << "frame " << f;
   }
 }
