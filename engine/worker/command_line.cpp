@@ -135,7 +135,7 @@ render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what 
   --parent PID    for supervisors: end when process PID ends, or when standard input closes
 
 check    Reads the job and cuts its scene into patches, nothing more; writes report.json.
-  --memory-mb N   at most N MiB of memory (2048)
+  --memory-mb N   at most N MiB of memory for the job (2048)
   --seconds N     at most N seconds of processor time (60)
 
 Exit status

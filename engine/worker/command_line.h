@@ -28,7 +28,7 @@ struct RenderCommand {
 
 struct CheckCommand {
   std::filesystem::path job_folder = {};
-  std::uint64_t memory_mb = 2048;  ///< [MiB] of private memory; kCheckMemoryMbMin .. kCheckMemoryMbMax
+  std::uint64_t memory_mb = 2048;  ///< [MiB] for the job; kCheckMemoryMbMin .. kCheckMemoryMbMax
   std::uint64_t seconds = 60;      ///< [s] of processor time, over all threads; 1 .. kCheckSecondsMax
 };
 

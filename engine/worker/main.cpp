@@ -1,5 +1,6 @@
 // keylume: the worker. One process per attempt at a job; README and `keylume --help` say how to use it.
 #include <exception>
+#include <new>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +12,9 @@ int main(int argc, char** argv) {
   try {
     const std::vector<std::string_view> words(argv + (argc > 0 ? 1 : 0), argv + argc);
     return static_cast<int>(engine::run_worker(words, engine::run_pipeline, engine::check_job));
+  } catch (const std::bad_alloc&) {
+    engine::tell("out of memory");
+    return static_cast<int>(api::ExitCode::limit_exceeded);
   } catch (const std::exception& error) {
     engine::tell(error.what());
   } catch (...) {

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
 #include <new>
 #include <system_error>
+
+#include "engine/worker/proc_status.h"
 
 namespace engine {
 namespace {
@@ -74,11 +75,7 @@ void complete_report(const api::Status& status, double wall_seconds, api::JobRep
 std::uint64_t peak_memory_bytes() {
   // getrusage would count the process that started us: a spawned child inherits its parent's peak until
   // exec, and ru_maxrss keeps it. VmHWM belongs to this program's own address space.
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    std::uint64_t kib = 0;
-    if (word == "VmHWM:" && status >> kib) return kib * 1024;
-  }
+  if (const auto bytes = memory_bytes_of_self("VmHWM:")) return *bytes;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
@@ -93,12 +90,18 @@ std::string text_of(const api::Violation& violation) {
 }
 
 void tell(std::string_view message) {
-  std::string line = "keylume: " + std::string(message);
-  std::replace_if(
-      line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  line += '\n';
   // Nothing can be done where standard error is closed or full.
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
+  [[maybe_unused]] ssize_t written = 0;
+  try {
+    std::string line = "keylume: " + std::string(message);
+    std::replace_if(
+        line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+    line += '\n';
+    written = write(STDERR_FILENO, line.data(), line.size());
+  } catch (const std::bad_alloc&) {
+    constexpr std::string_view kOutOfMemory = "keylume: out of memory\n";
+    written = write(STDERR_FILENO, kOutOfMemory.data(), kOutOfMemory.size());
+  }
 }
 
 void tell_report(const api::JobReport& report) {

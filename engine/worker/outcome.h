@@ -30,7 +30,8 @@ std::uint64_t peak_memory_bytes();
 /// "scene.obj:12:4: vertex 99 does not exist", "animation.json /frames: must be at least 1".
 std::string text_of(const api::Violation& violation);
 
-/// One line on standard error, in one write. Control characters are replaced: names come from strangers.
+/// One line on standard error, in one write. Throws nothing. Control characters are replaced: names come from
+/// strangers.
 void tell(std::string_view message);
 
 /// What a person at the terminal needs to know of `report`: the message, violations, warnings.

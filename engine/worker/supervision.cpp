@@ -17,6 +17,8 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/worker/proc_status.h"
+
 namespace engine {
 namespace {
 
@@ -67,7 +69,8 @@ api::Status bind_to_parent(pid_t parent) {
 
 api::Status limit_myself(const SelfLimits& limits) {
   signal(SIGXFSZ, SIG_IGN);
-  if ((kMemoryCanBeLimited && !lower_limit(RLIMIT_DATA, limits.memory_bytes, limits.memory_bytes)) ||
+  const rlim_t memory_bytes = limits.memory_bytes + memory_bytes_of_self("VmData:").value_or(0);
+  if ((kMemoryCanBeLimited && !lower_limit(RLIMIT_DATA, memory_bytes, memory_bytes)) ||
       !lower_limit(RLIMIT_CPU, limits.processor_seconds, limits.processor_seconds + 2) ||
       !lower_limit(RLIMIT_FSIZE, limits.file_bytes, limits.file_bytes))
     return system_failure("cannot limit this process");
