@@ -10,7 +10,7 @@
 namespace engine {
 namespace {
 
-constexpr std::uint32_t kRowsPerTask = 256;
+constexpr std::uint32_t kRowsPerTask = 16;
 
 /// Area-weighted mean over the patches on one side of some facets that a line did meet in `slot`.
 class SideMean {
@@ -86,7 +86,7 @@ void SampledOperator::gather_row(PatchId patch, const PatchSeries& radiosity, Rg
   for (const SlotExchange& change : lines_.moving_rows.row(patch)) {
     const std::size_t width = 3 * (std::size_t{change.last_slot} - change.first_slot + 1);
     add_scaled(floats(out + change.first_slot), floats(radiosity.row(change.sender) + change.first_slot),
-               change.sign, width);
+               change.weight, width);
   }
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
     const std::uint32_t crossings = lines_.crossings.at(patch, slot);

@@ -26,8 +26,8 @@ void add_counts(SolveCounts& to, const TracedLines& lines, const Solution& solut
   to.tracing.static_hits += lines.counts.static_hits;
   to.tracing.moving_hits += lines.counts.moving_hits;
   to.tracing.touched_lines += lines.counts.touched_lines;
-  to.exchanges += lines.static_rows.entries.size();
-  to.moving_exchanges += lines.moving_rows.entries.size();
+  to.exchanges += lines.static_rows.entry_count();
+  to.moving_exchanges += lines.moving_rows.entry_count();
   to.empty_rows += solution.empty_rows;
   to.iterations = std::max(to.iterations, solution.iterations);
 }

@@ -13,15 +13,16 @@ namespace engine {
 
 KEYLUME_WIDEST
 void add_rows(float* __restrict sum, const float* __restrict rows, std::size_t width,
-              std::span<const PatchId> senders) {
+              std::span<const Exchange> exchanges) {
   constexpr std::size_t kAhead = 3;  // senders whose rows are fetched while earlier ones are added
-  for (std::size_t s = 0; s < senders.size(); ++s) {
-    if (s + kAhead < senders.size()) {
-      const float* next = rows + std::size_t{senders[s + kAhead]} * width;
+  for (std::size_t e = 0; e < exchanges.size(); ++e) {
+    if (e + kAhead < exchanges.size()) {
+      const float* next = rows + std::size_t{exchanges[e + kAhead].sender()} * width;
       for (std::size_t k = 0; k < width; k += 16) __builtin_prefetch(next + k);
     }
-    const float* row = rows + std::size_t{senders[s]} * width;
-    for (std::size_t k = 0; k < width; ++k) sum[k] += row[k];
+    const float* row = rows + std::size_t{exchanges[e].sender()} * width;
+    const auto count = static_cast<float>(exchanges[e].count());
+    for (std::size_t k = 0; k < width; ++k) sum[k] += count * row[k];
   }
 }
 

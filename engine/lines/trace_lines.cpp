@@ -11,7 +11,7 @@ constexpr std::uint64_t kLinesPerChunk = 4096;
 
 /// What one chunk of lines found.
 struct ChunkExchanges {
-  std::vector<RowEntry<PatchId>> pairs;
+  std::vector<RowEntry<Exchange>> pairs;
   std::vector<RowEntry<SlotExchange>> changes;
 };
 
@@ -82,8 +82,8 @@ class LineTracer {
     pairs_.clear();
     list_static_pairs(line_, pairs_);
     for (const auto& [a, b] : pairs_) {
-      found.pairs.push_back({a, b});
-      found.pairs.push_back({b, a});
+      found.pairs.push_back({a, Exchange(b)});
+      found.pairs.push_back({b, Exchange(a)});
     }
     if (moving_.empty()) return;
     changes_.clear();
@@ -121,7 +121,7 @@ api::Result<TracedLines> trace_lines(const Patches& patches, const Animation& an
   traced.crossings = empty_counts(patches, animation, traced.slot_count);
 
   const std::uint64_t chunk_count = (options.line_count + kLinesPerChunk - 1) / kLinesPerChunk;
-  std::vector<std::vector<RowEntry<PatchId>>> pairs(chunk_count);
+  std::vector<std::vector<RowEntry<Exchange>>> pairs(chunk_count);
   std::vector<std::vector<RowEntry<SlotExchange>>> changes(chunk_count);
   std::vector<TracingCounts> counts(chunk_count);
   std::atomic<std::uint64_t> done = 0;

@@ -1,9 +1,11 @@
 // Global lines -> who exchanges light with whom, in every frame of a window at once.
 #pragma once
 
-#include <compare>
 #include <cstdint>
+#include <cstdlib>
+#include <limits>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "api/result.h"
@@ -14,12 +16,51 @@
 
 namespace engine {
 
-/// One exchange seen from its receiver, added or cut by a moving object in [first_slot, last_slot].
+/// Lines on which a receiver sees a sender, in every slot: up to 128 of them, packed into 32 bits.
+class Exchange {
+ public:
+  Exchange() = default;
+  explicit Exchange(PatchId sender) : packed_(sender) {}
+
+  PatchId sender() const { return packed_ & kSenderMask; }
+  std::uint32_t count() const { return (packed_ >> kSenderBits) + 1; }
+
+  friend bool operator<(Exchange a, Exchange b) { return a.packed_ < b.packed_; }
+
+  /// Counts `other`, a single line, if it has the same sender and there is room.
+  bool absorb(Exchange other) {
+    if (other.sender() != sender() || count() == kCountMax) return false;
+    packed_ += 1u << kSenderBits;
+    return true;
+  }
+
+ private:
+  static constexpr unsigned kSenderBits = 25;
+  static constexpr std::uint32_t kSenderMask = (1u << kSenderBits) - 1;
+  static constexpr std::uint32_t kCountMax = 1u << (32 - kSenderBits);
+  static_assert(kPatchesMax <= kSenderMask);
+
+  std::uint32_t packed_ = 0;  ///< lines less one, then the sender
+};
+
+/// Lines on which a receiver sees a sender because of moving objects (weight > 0), or no longer does (< 0),
+/// in the slots [first_slot, last_slot].
 struct SlotExchange {
   std::uint8_t first_slot = 0, last_slot = 0;
-  std::int8_t sign = 1;
+  std::int16_t weight = 1;
   PatchId sender = 0;
-  friend auto operator<=>(const SlotExchange&, const SlotExchange&) = default;
+
+  friend bool operator<(const SlotExchange& a, const SlotExchange& b) {
+    return std::tie(a.first_slot, a.last_slot, a.sender, a.weight) <
+           std::tie(b.first_slot, b.last_slot, b.sender, b.weight);
+  }
+  bool absorb(const SlotExchange& other) {
+    if (std::tie(first_slot, last_slot, sender) != std::tie(other.first_slot, other.last_slot, other.sender))
+      return false;
+    if (std::abs(weight + other.weight) > std::numeric_limits<std::int16_t>::max()) return false;
+    weight = static_cast<std::int16_t>(weight + other.weight);
+    return true;
+  }
 };
 
 /// How often lines met the patches. Static patches: once and for all, since occlusion does not change it.
@@ -45,7 +86,7 @@ struct TracingCounts {
 /// The exchanges along all lines, as differences from the scene without its moving objects.
 struct TracedLines {
   std::uint32_t slot_count = 0;
-  Rows<PatchId> static_rows;       ///< senders of each receiver, in every slot
+  Rows<Exchange> static_rows;      ///< senders of each receiver, in every slot
   Rows<SlotExchange> moving_rows;  ///< what the moving objects change of them
   CrossingCounts crossings;
   TracingCounts counts;
