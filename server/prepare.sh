@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Shared by server/run and tests/run, which source it: installs what is missing and builds.
 # Expects $program (for messages), $root (the checkout) and $assume_yes (yes or no).
 
@@ -8,7 +9,10 @@ fail() {
 }
 
 packages_of() { # GROUP...
-  awk -v groups=" $* " '!/^#/ && NF && index(groups, " " $1 " ") { print $2 }' "$root/server/packages.txt"
+  local group package
+  while read -r group package _; do
+    [[ " $* " != *" $group "* ]] || echo "$package"
+  done <"$root/server/packages.txt"
 }
 
 missing_packages() { # GROUP...
