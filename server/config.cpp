@@ -1,5 +1,6 @@
 #include "server/config.h"
 
+#include <arpa/inet.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,7 +20,8 @@ api::Error wrong(std::string message) {
 template <class Number>
 bool take_number(std::string_view text, Number least, Number most, Number& value) {
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  return parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() && value >= least && value <= most;
+  return parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() && value >= least &&
+         value <= most;
 }
 
 api::Status take_listen(std::string_view text, Config& config) {
@@ -68,7 +70,8 @@ std::filesystem::path find_worker() {
 api::Result<CommandLine> complete(Config config) {
   if (config.data.empty()) return wrong("--data DIR is missing: where jobs are to be kept");
   if (config.worker.empty()) config.worker = find_worker();
-  if (config.worker.empty()) return wrong("the worker 'keylume' is not found; say where it is with --worker PATH");
+  if (config.worker.empty())
+    return wrong("the worker 'keylume' is not found; say where it is with --worker PATH");
   if (!is_program(config.worker)) return wrong("--worker: " + config.worker.string() + " cannot be executed");
   config.worker = std::filesystem::absolute(config.worker);
   if (!is_loopback(config.host) && !config.insecure_public)
@@ -81,7 +84,10 @@ api::Result<CommandLine> complete(Config config) {
 }  // namespace
 
 bool is_loopback(std::string_view host) {
-  return host == "localhost" || host == "::1" || host.starts_with("127.");
+  in_addr address{};
+  const std::string text(host);
+  if (::inet_pton(AF_INET, text.c_str(), &address) == 1) return (ntohl(address.s_addr) >> 24) == 127;
+  return host == "localhost" || host == "::1";
 }
 
 api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words) {
@@ -100,7 +106,8 @@ api::Result<CommandLine> parse_command_line(std::span<const std::string_view> wo
     const std::string_view name = word.substr(0, equals);
     if (std::find(kWithValue.begin(), kWithValue.end(), name) == kWithValue.end())
       return wrong("'" + std::string(word) + "' is not an option");
-    if (equals == word.npos && i + 1 == words.size()) return wrong(std::string(name) + ": a value is missing");
+    if (equals == word.npos && i + 1 == words.size())
+      return wrong(std::string(name) + ": a value is missing");
     const std::string_view value = equals == word.npos ? words[++i] : word.substr(equals + 1);
     if (const api::Status taken = take_option(name, value, config); !taken) return taken.error();
   }

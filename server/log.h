@@ -5,8 +5,8 @@
 
 namespace server {
 
-/// Writes "keylume-server: " and `message` as one line. Control characters are replaced, since names come from
-/// strangers. Any thread.
+/// Writes "keylume-server: " and `message` as one line. Control characters are replaced, since names come
+/// from strangers. Any thread.
 void log_line(std::string_view message);
 
 }  // namespace server

@@ -61,8 +61,7 @@ JobRules job_rules(const Config& config, const Doorbell& bell) {
 WorkerRules worker_rules(const Config& config) {
   WorkerRules rules;
   rules.program = config.worker;
-  if (config.worker_threads > 0)
-    rules.render_options = {"--threads", std::to_string(config.worker_threads)};
+  if (config.worker_threads > 0) rules.render_options = {"--threads", std::to_string(config.worker_threads)};
   return rules;
 }
 
@@ -118,7 +117,8 @@ int serve(HttpServer& http, Supervisor& supervisor, const sigset_t& signals) {
 int run(const Config& config) {
   const sigset_t signals = block_stop_signals();
   const auto folder = DataFolder::open(config.data);
-  if (!folder) return refuse(folder.error(), folder.error().fault == api::Fault::wrong_state ? kInUse : kFailed);
+  if (!folder)
+    return refuse(folder.error(), folder.error().fault == api::Fault::wrong_state ? kInUse : kFailed);
   const auto store = JobStore::open(folder->database());
   if (!store) return refuse(store.error(), kFailed);
   const auto bell = Doorbell::create();

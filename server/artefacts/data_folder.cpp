@@ -36,8 +36,9 @@ api::Result<FileHandle> take_lock(const std::filesystem::path& file) {
   if (!lock) return file_error(file.string(), errno);
   if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return file_error(file.string(), errno);
-    return api::Error{api::Fault::wrong_state,
-                      file.parent_path().string() + " is in use by another server, process " + holder_of(lock)};
+    return api::Error{
+        api::Fault::wrong_state,
+        file.parent_path().string() + " is in use by another server, process " + holder_of(lock)};
   }
   if (::ftruncate(lock.get(), 0) != 0) return file_error(file.string(), errno);
   const api::Status written = write_all(lock, std::to_string(::getpid()) + "\n");

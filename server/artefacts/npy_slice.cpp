@@ -60,13 +60,15 @@ api::Result<Shape> read_shape(const FileHandle& file) {
   shape.frames = take_number(numbers);
   shape.patches = take_number(numbers);
   shape.data_offset = static_cast<std::int64_t>(kPrefixBytes + text.size());
-  if (shape.frames < 0 || shape.patches < 0 || take_number(numbers) != kComponents || !numbers.starts_with(')'))
+  if (shape.frames < 0 || shape.patches < 0 || take_number(numbers) != kComponents ||
+      !numbers.starts_with(')'))
     return not_radiosity("not of shape (frames, patches, 3)");
   return shape;
 }
 
 std::string header_of(std::int64_t patches) {
-  std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(patches) + ", 3), }";
+  std::string text =
+      "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(patches) + ", 3), }";
   const std::size_t unpadded = kPrefixBytes + text.size() + 1;
   text.append((kAlignment - unpadded % kAlignment) % kAlignment, ' ');
   text += '\n';

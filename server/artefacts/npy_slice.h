@@ -18,9 +18,10 @@ struct NpySlice {
   std::int64_t size() const { return static_cast<std::int64_t>(header.size()) + bytes; }
 };
 
-/// The array (n, 3) of frame `frame` of an open .npy file that holds (frames, n, 3) little-endian float32 in C
-/// order (NumPy format version 1.0, https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html).
-/// Errors: not_found when there is no such frame, internal when the file is of another kind or cut short.
+/// The array (n, 3) of frame `frame` of an open .npy file that holds (frames, n, 3) little-endian float32 in
+/// C order (NumPy format version 1.0,
+/// https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html). Errors: not_found when there is
+/// no such frame, internal when the file is of another kind or cut short.
 api::Result<NpySlice> frame_slice(const FileHandle& file, std::uint32_t frame);
 
 }  // namespace server

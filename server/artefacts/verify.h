@@ -21,9 +21,9 @@ struct ClaimedFile {
 api::Result<std::string> sha256_of(const FileHandle& file);
 std::string sha256_of(std::string_view bytes);
 
-/// Every file exists below `folder` as a regular file under a plain relative path, with that size and hash, and
-/// no path comes twice. Errors: invalid_request naming the first file that does not.
-/// The worker has parsed a stranger's upload, so it is believed nothing.
+/// Every file exists below `folder` as a regular file under a plain relative path, with that size and hash,
+/// and no path comes twice. Errors: invalid_request naming the first file that does not. The worker has
+/// parsed a stranger's upload, so it is believed nothing.
 api::Status verify_files(const std::filesystem::path& folder, const std::vector<ClaimedFile>& files);
 
 }  // namespace server

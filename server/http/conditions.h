@@ -8,8 +8,8 @@
 
 namespace server {
 
-/// Turns a whole 200 answer into the 304, 206 or 416 that the request asks for. One range is answered; several
-/// at once, other units than bytes, and what cannot be read get the whole, as the RFC allows.
+/// Turns a whole 200 answer into the 304, 206 or 416 that the request asks for. One range is answered;
+/// several at once, other units than bytes, and what cannot be read get the whole, as the RFC allows.
 void apply_conditions(const HttpRequest& request, HttpAnswer& answer);
 
 /// Does an If-None-Match or If-Match list name `etag` (without quotes)?

@@ -2,8 +2,6 @@
 
 // Many clients may connect at once; the library's own backlog is 5.
 #define CPPHTTPLIB_LISTEN_BACKLOG 128
-// The receiver counts parts by kind; this only bounds the library's own work.
-#define CPPHTTPLIB_MULTIPART_FORM_DATA_FILE_MAX_COUNT 512
 #include <httplib.h>
 
 #include <sys/random.h>
@@ -29,12 +27,13 @@ constexpr std::size_t kMultipartFrameBytes = 1 << 20;
 constexpr std::size_t kPieceBytes = 64 * 1024;
 constexpr std::size_t kRequestIdBytesMax = 64;
 constexpr std::string_view kUploadPath = "/v1/jobs";
+constexpr std::string_view kContentTypeAside = "X-Keylume-Content-Type";
 
 HttpRequest request_of(const httplib::Request& from) {
   HttpRequest request{from.method, from.path, {}, {}};
   for (const auto& [name, value] : from.params) request.query.emplace_back(name, value);
   request.header = [&from](std::string_view name) -> std::optional<std::string> {
-    const std::string key(name);
+    const std::string key(name == "Content-Type" ? kContentTypeAside : name);
     if (!from.has_header(key)) return std::nullopt;
     return from.get_header_value(key);
   };
@@ -71,10 +70,17 @@ void take_over(const httplib::Request& from) {
   auto& request = const_cast<httplib::Request&>(from);
   // Ranges are answered by apply_conditions; the library would cut our answer a second time.
   request.ranges.clear();
-  // Without a length there is no body (RFC 9112, section 6.3). The library would wait for one after the answer,
-  // and take the connection's next request for it.
+  // Without a length there is no body (RFC 9112, section 6.3). The library would wait for one after the
+  // answer, and take the connection's next request for it.
   if (!request.has_header("Content-Length") && !request.has_header("Transfer-Encoding"))
     request.body_consumed_ = true;
+  // Bodies reach us as bytes: seeing multipart, the library would parse it, in memory without bounds.
+  const auto [first, last] = request.headers.equal_range("Content-Type");
+  if (first == last) return;
+  const std::string type = first->second;
+  request.headers.erase(first, last);
+  request.headers.erase(std::string(kContentTypeAside));
+  request.headers.emplace(kContentTypeAside, type);
 }
 
 void send_file(const HttpAnswer& answer, ByteRange part, const std::atomic<bool>& stopping,
@@ -86,7 +92,8 @@ void send_file(const HttpAnswer& answer, ByteRange part, const std::atomic<bool>
     const std::int64_t got = file->read(first + static_cast<std::int64_t>(at), piece.data(), wanted);
     return !stopping && got > 0 && sink.write(piece.data(), static_cast<std::size_t>(got));
   };
-  response.set_content_provider(static_cast<std::size_t>(part.count), answer.content_type, std::move(provider));
+  response.set_content_provider(static_cast<std::size_t>(part.count), answer.content_type,
+                                std::move(provider));
 }
 
 void send(const HttpAnswer& answer, const std::atomic<bool>& stopping, httplib::Response& response) {
@@ -99,14 +106,14 @@ void send(const HttpAnswer& answer, const std::atomic<bool>& stopping, httplib::
   if (answer.file && part.count > 0)
     send_file(answer, part, stopping, response);
   else
-    response.set_content(answer.body.substr(static_cast<std::size_t>(part.first), static_cast<std::size_t>(part.count)),
-                         answer.content_type);
+    response.set_content(
+        answer.body.substr(static_cast<std::size_t>(part.first), static_cast<std::size_t>(part.count)),
+        answer.content_type);
 }
 
-ReadParts parts_of(const httplib::ContentReader& reader, const std::atomic<bool>& stopping) {
-  return [&reader, &stopping](const PartSink& sink) {
-    return reader([&](const httplib::FormData& part) { return !stopping && sink.begin(part.name, part.filename); },
-                  [&](const char* bytes, std::size_t count) { return !stopping && sink.take({bytes, count}); });
+ReadBody body_of(const httplib::ContentReader& reader, const std::atomic<bool>& stopping) {
+  return [&reader, &stopping](const std::function<bool(std::string_view)>& take) {
+    return reader([&](const char* bytes, std::size_t count) { return !stopping && take({bytes, count}); });
   };
 }
 
@@ -146,11 +153,12 @@ struct HttpServer::Library {
     });
     server.Post(std::string(kUploadPath), [this](const auto& request, auto& response, const auto& reader) {
       const HttpRequest ours = request_of(request);
-      send(submit_job(ours, parts_of(reader, stopping), jobs, folder, rules.upload), stopping, response);
+      send(submit_job(ours, body_of(reader, stopping), jobs, folder, rules.upload), stopping, response);
     });
     server.set_expect_100_continue_handler([this](const auto& request, auto& response) {
       if (!is_upload(request)) return 100;
-      const auto refused = refuse_upload_early(request_of(request), rules.upload);
+      take_over(request);
+      const auto refused = refuse_upload_early(request_of(request), folder, rules.upload);
       if (!refused) return 100;
       send(*refused, stopping, response);
       return refused->status;
@@ -204,7 +212,8 @@ api::Status HttpServer::bind() {
     library_->port = rules.port;
     return api::Done{};
   }
-  return api::Error{api::Fault::wrong_state, "cannot listen on " + rules.host + ":" + std::to_string(rules.port) +
+  return api::Error{api::Fault::wrong_state, "cannot listen on " + rules.host + ":" +
+                                                 std::to_string(rules.port) +
                                                  "; is another program using that port?"};
 }
 

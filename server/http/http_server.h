@@ -16,7 +16,8 @@ struct HttpRules {
   std::string host = "127.0.0.1";
   int port = 8080;  ///< 0: any free one
   UploadLimits upload;
-  // A connection holds a thread as long as it is open: the number of threads is the number of clients at once.
+  // A connection holds a thread as long as it is open: the number of threads is the number of clients at
+  // once.
   std::size_t threads = 8;
   std::size_t threads_max = 64;
   std::size_t connections_waiting_max = 256;

@@ -12,8 +12,8 @@
 namespace server {
 namespace {
 
-using api::Json;
 using api::JobState;
+using api::Json;
 
 constexpr std::string_view kImages = "images/";
 
@@ -32,7 +32,8 @@ Json reason_of(const Job& job) {
 
 Json links_of(const Job& job) {
   Json links{{"self", path_of(job)}};
-  if (job.state == JobState::queued || job.state == JobState::running) links["cancel"] = path_of(job, "/cancel");
+  if (job.state == JobState::queued || job.state == JobState::running)
+    links["cancel"] = path_of(job, "/cancel");
   if (job.attempt > 0) links["log"] = path_of(job, "/log");
   if (!job.report.empty()) links["report"] = path_of(job, "/report.json");
   if (job.state == JobState::succeeded) {
@@ -119,7 +120,8 @@ std::string job_page_json(const JobPage& page) {
   return api::json_text({{"jobs", std::move(jobs)}, {"next_cursor", next}});
 }
 
-std::vector<FrameImages> images_by_frame(const std::vector<ArtefactFile>& artefacts, std::uint32_t frame_count) {
+std::vector<FrameImages> images_by_frame(const std::vector<ArtefactFile>& artefacts,
+                                         std::uint32_t frame_count) {
   std::vector<FrameImages> frames(frame_count);
   for (const ArtefactFile& artefact : artefacts) {
     const auto image = parse_image_path(artefact.path);

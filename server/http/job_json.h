@@ -24,7 +24,8 @@ struct FrameImages {
 };
 
 /// One entry per frame, from paths such as images/front/0007.png.
-std::vector<FrameImages> images_by_frame(const std::vector<ArtefactFile>& artefacts, std::uint32_t frame_count);
+std::vector<FrameImages> images_by_frame(const std::vector<ArtefactFile>& artefacts,
+                                         std::uint32_t frame_count);
 
 /// components/schemas/Frame
 std::string frame_json(const Job& job, const api::FrameRecord& frame, const FrameImages& images);

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "server/http/job_json.h"
+#include "server/http/multipart.h"
 #include "server/http/problem.h"
 #include "server/http/routes.h"
 #include "server/jobs/job_id.h"
@@ -13,11 +14,14 @@ constexpr std::int64_t kPageDefault = 50;
 constexpr std::int64_t kPageMax = 200;
 // What the multipart frame around the parts may add: boundaries and headers.
 constexpr std::int64_t kFrameBytes = 1 << 20;
+// Kept free for the database and for jobs that run.
+constexpr std::int64_t kReservedBytes = 64 << 20;
 
 std::optional<std::int64_t> whole_number(std::string_view text) {
   std::int64_t value = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
+  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
+    return std::nullopt;
   return value;
 }
 
@@ -73,8 +77,10 @@ HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_vi
 }  // namespace
 
 void add_job_routes(Router& router, JobService& jobs) {
-  router.add("GET", "/v1/jobs", [&jobs](const auto& request, const auto&) { return list_jobs(jobs, request); });
-  // Its body streams, so http_server.cpp calls submit_job instead; here it stands for 405 and for the contract.
+  router.add("GET", "/v1/jobs",
+             [&jobs](const auto& request, const auto&) { return list_jobs(jobs, request); });
+  // Its body streams, so http_server.cpp calls submit_job instead; here it stands for 405 and for the
+  // contract.
   router.add("POST", "/v1/jobs", [](const auto& request, const auto&) {
     return problem(415, "the body must be multipart/form-data", request.path);
   });
@@ -86,31 +92,36 @@ void add_job_routes(Router& router, JobService& jobs) {
              [&jobs](const auto& request, const auto& values) { return cancel_job(jobs, request, values); });
 }
 
-std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const UploadLimits& limits) {
-  const auto type = request.header("Content-Type");
-  if (!type || !type->starts_with("multipart/form-data"))
+std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const DataFolder& folder,
+                                              const UploadLimits& limits) {
+  if (!multipart_boundary(request.header("Content-Type").value_or("")))
     return problem(415,
                    "the body must be multipart/form-data, as curl sends it with -F scene=@scene.obj -F "
                    "animation=@animation.json",
                    request.path);
   if (request.header("Content-Encoding"))
     return problem(415, "compressed uploads are not taken", request.path);
-  const auto length = request.header("Content-Length");
-  const auto bytes = length ? whole_number(*length) : std::nullopt;
-  if (bytes && *bytes > limits.total_bytes + kFrameBytes)
+  const std::int64_t bytes = whole_number(request.header("Content-Length").value_or("")).value_or(0);
+  if (bytes > limits.total_bytes + kFrameBytes)
     return problem(413, "the upload is larger than " + std::to_string(limits.total_bytes) + " bytes",
                    request.path);
+  const auto free = free_bytes(folder.uploads());
+  if (free && *free < bytes + kReservedBytes)
+    return problem({api::Fault::disk_full, "no room for an upload"}, request.path);
   return std::nullopt;
 }
 
-HttpAnswer submit_job(const HttpRequest& request, const ReadParts& read_parts, JobService& jobs,
+HttpAnswer submit_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
                       const DataFolder& folder, const UploadLimits& limits) {
-  if (auto refused = refuse_upload_early(request, limits)) return *refused;
+  if (auto refused = refuse_upload_early(request, folder, limits)) return *refused;
   UploadReceiver receiver(folder, new_job_id(system_clock_ms()), limits);
-  const bool whole = read_parts({[&](auto field, auto name) { return receiver.begin_part(field, name); },
-                                 [&](auto bytes) { return receiver.take(bytes); }});
+  MultipartParser parser(*multipart_boundary(*request.header("Content-Type")),
+                         {[&](auto field, auto name) { return receiver.begin_part(field, name); },
+                          [&](auto bytes) { return receiver.take(bytes); }});
+  const bool whole = read_body([&](std::string_view bytes) { return parser.feed(bytes); });
   if (receiver.refusal()) return refusal_answer(*receiver.refusal(), request.path);
-  if (!whole) return problem(400, "the multipart body is broken or ended early", request.path);
+  if (!parser.error().empty()) return problem(400, parser.error(), request.path);
+  if (!whole || !parser.complete()) return problem(400, "the upload ended early", request.path);
   const auto upload = receiver.finish();
   if (!upload) return refusal_answer(*receiver.refusal(), request.path);
 

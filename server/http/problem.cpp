@@ -65,8 +65,10 @@ HttpAnswer problem(const api::Error& error, std::string_view instance) {
   if (status == 500 || status == 507) log_line(std::string(instance) + ": " + error.message);
   // Paths, SQL and the like are for the operator, not for whoever asks.
   if (status == 500)
-    return problem_answer({error.fault, "something failed inside the service; its log says what"}, status, instance);
-  if (status == 507) return problem_answer({error.fault, "the disk of the service is full"}, status, instance);
+    return problem_answer({error.fault, "something failed inside the service; its log says what"}, status,
+                          instance);
+  if (status == 507)
+    return problem_answer({error.fault, "the disk of the service is full"}, status, instance);
   return problem_answer(error, status, instance);
 }
 

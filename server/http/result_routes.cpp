@@ -35,12 +35,14 @@ HttpAnswer file_answer(FileBody body, std::string content_type, std::string etag
   return answer;
 }
 
-HttpAnswer artefact_answer(JobService& jobs, const Job& job, const HttpRequest& request, std::string_view path) {
+HttpAnswer artefact_answer(JobService& jobs, const Job& job, const HttpRequest& request,
+                           std::string_view path) {
   const auto artefact = jobs.artefact(job, path);
   if (!artefact) return problem(artefact.error(), request.path);
   auto file = open_below(jobs.folder_of(job) / "artefacts", artefact->path);
   if (!file) return problem({api::Fault::internal, file.error().message}, request.path);
-  HttpAnswer answer = file_answer({std::move(*file), {}, 0, artefact->bytes}, artefact->media_type, artefact->sha256);
+  HttpAnswer answer =
+      file_answer({std::move(*file), {}, 0, artefact->bytes}, artefact->media_type, artefact->sha256);
   answer.headers.emplace_back("Cache-Control", kForever);
   return answer;
 }
@@ -51,7 +53,8 @@ api::Result<std::uint32_t> frame_of(const Job& job, const PathValues& values) {
   std::uint32_t frame = 0;
   const auto parsed = std::from_chars(digits.data(), digits.data() + digits.size(), frame);
   if (parsed.ec != std::errc() || parsed.ptr != digits.data() + digits.size() || frame >= job.frame_count)
-    return api::Error{api::Fault::not_found, "the job has the frames 0 to " + std::to_string(job.frame_count - 1)};
+    return api::Error{api::Fault::not_found,
+                      "the job has the frames 0 to " + std::to_string(job.frame_count - 1)};
   return frame;
 }
 
@@ -83,7 +86,8 @@ HttpAnswer image(JobService& jobs, const Job& job, const HttpRequest& request, c
 }
 
 /// GET .../frames/{f}/radiosity.npy, operationId getFrameRadiosity.
-HttpAnswer frame_radiosity(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues& values) {
+HttpAnswer frame_radiosity(JobService& jobs, const Job& job, const HttpRequest& request,
+                           const PathValues& values) {
   const auto frame = frame_of(job, values);
   if (!frame) return problem(frame.error(), request.path);
   HttpAnswer answer = artefact_answer(jobs, job, request, "radiosity.npy");
@@ -100,7 +104,8 @@ HttpAnswer frame_radiosity(JobService& jobs, const Job& job, const HttpRequest& 
 
 api::Status must_have_results(const Job& job) {
   if (job.state == api::JobState::succeeded) return api::Done{};
-  return api::Error{api::Fault::not_found, "not made yet: the job is " + std::string(api::name_of(job.state))};
+  return api::Error{api::Fault::not_found,
+                    "not made yet: the job is " + std::string(api::name_of(job.state))};
 }
 
 /// GET .../frames, operationId listFrames.
@@ -129,7 +134,8 @@ HttpAnswer get_frame(JobService& jobs, const Job& job, const HttpRequest& reques
 /// GET .../report.json, operationId getReport.
 HttpAnswer get_report(JobService&, const Job& job, const HttpRequest& request, const PathValues&) {
   if (job.report.empty())
-    return problem({api::Fault::not_found, "no attempt at the job has ended with a report yet"}, request.path);
+    return problem({api::Fault::not_found, "no attempt at the job has ended with a report yet"},
+                   request.path);
   HttpAnswer answer = json_answer(job.report);
   answer.etag = sha256_of(job.report);
   answer.ranges = true;
@@ -148,9 +154,8 @@ HttpAnswer get_log(JobService& jobs, const Job& job, const HttpRequest& request,
 }
 
 JobHandler artefact_at(std::string path) {
-  return [path = std::move(path)](JobService& jobs, const Job& job, const HttpRequest& request, const PathValues&) {
-    return artefact_answer(jobs, job, request, path);
-  };
+  return [path = std::move(path)](JobService& jobs, const Job& job, const HttpRequest& request,
+                                  const PathValues&) { return artefact_answer(jobs, job, request, path); };
 }
 
 JobHandler image_of(std::string extension) {

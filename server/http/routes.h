@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/artefacts/data_folder.h"
 #include "server/http/message.h"
 #include "server/http/router.h"
 #include "server/http/upload_receiver.h"
@@ -19,20 +20,17 @@ void add_result_routes(Router& router, JobService& jobs);
 /// /healthz, /version, /openapi.json
 void add_service_routes(Router& router);
 
-/// The parts of a multipart body, one after the other: `begin(field, file name)`, then `take(bytes)` as often as
-/// it needs. Stops when one of them answers false. False: the body is broken or ended early.
-struct PartSink {
-  std::function<bool(std::string_view field, std::string_view file_name)> begin;
-  std::function<bool(std::string_view bytes)> take;
-};
-using ReadParts = std::function<bool(const PartSink& sink)>;
+/// Hands the body to `take`, piece by piece; stops when that answers false. False: it did not come to its
+/// end.
+using ReadBody = std::function<bool(const std::function<bool(std::string_view bytes)>& take)>;
 
 /// POST /v1/jobs, operationId submitJob. Not a route of the router, because its body streams.
-HttpAnswer submit_job(const HttpRequest& request, const ReadParts& read_parts, JobService& jobs,
+HttpAnswer submit_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
                       const DataFolder& folder, const UploadLimits& limits);
 
-/// Refusals that need no body: not multipart (415), too large by its own word (413).
-std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const UploadLimits& limits);
+/// Refusals that need no body: not multipart (415), too large by its own word (413), no room for it (507).
+std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const DataFolder& folder,
+                                              const UploadLimits& limits);
 
 HttpAnswer json_answer(std::string body, int status = 200);
 

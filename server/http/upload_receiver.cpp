@@ -41,14 +41,16 @@ bool same_ignoring_case(std::string_view a, std::string_view b) {
 std::optional<std::string> safe_base_name(std::string_view file_name) {
   const std::size_t slash = file_name.find_last_of("/\\");
   const std::string_view name = slash == file_name.npos ? file_name : file_name.substr(slash + 1);
-  if (name.size() > kNameBytesMax || name.starts_with('.') || !is_plain_relative_path(name)) return std::nullopt;
+  if (name.size() > kNameBytesMax || name.starts_with('.') || !is_plain_relative_path(name))
+    return std::nullopt;
   return std::string(name);
 }
 
 UploadReceiver::UploadReceiver(const DataFolder& folder, std::string id, UploadLimits limits)
     : folder_(folder), id_(std::move(id)), limits_(limits), input_folder_(folder.upload(id_) / "input") {
   for (const auto& path : {input_folder_.parent_path(), input_folder_})
-    if (!refusal_ && ::mkdir(path.c_str(), 0700) != 0) refuse({0, file_error("make folder " + path.string(), errno)});
+    if (!refusal_ && ::mkdir(path.c_str(), 0700) != 0)
+      refuse({0, file_error("make folder " + path.string(), errno)});
 }
 
 UploadReceiver::~UploadReceiver() {
@@ -69,7 +71,8 @@ bool UploadReceiver::refuse_part(std::string_view file, std::string_view code, s
 }
 
 std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::string_view file_name) {
-  const auto known = std::find_if(kFields.begin(), kFields.end(), [&](const Field& f) { return f.name == field; });
+  const auto known =
+      std::find_if(kFields.begin(), kFields.end(), [&](const Field& f) { return f.name == field; });
   if (known == kFields.end()) {
     refuse_part("", "unknown_part",
                 "there is no part '" + std::string(field.substr(0, 64)) +
@@ -99,7 +102,8 @@ bool UploadReceiver::has_room_for(const InputFile& input) {
                            : input.role == InputRole::texture ? limits_.textures
                                                               : 1;
   if (of_role >= most)
-    return refuse({413, {api::Fault::invalid_request, "more than " + std::to_string(most) + " parts of one kind"}});
+    return refuse(
+        {413, {api::Fault::invalid_request, "more than " + std::to_string(most) + " parts of one kind"}});
   return true;
 }
 
@@ -125,11 +129,13 @@ bool UploadReceiver::take(std::string_view bytes) {
   input.bytes += static_cast<std::int64_t>(bytes.size());
   total_bytes_ += static_cast<std::int64_t>(bytes.size());
   if (total_bytes_ > limits_.total_bytes)
-    return refuse({413, {api::Fault::invalid_request,
-                         "the upload is larger than " + std::to_string(limits_.total_bytes) + " bytes"}});
+    return refuse({413,
+                   {api::Fault::invalid_request,
+                    "the upload is larger than " + std::to_string(limits_.total_bytes) + " bytes"}});
   if (input.role == InputRole::animation && input.bytes > limits_.animation_bytes)
-    return refuse({413, {api::Fault::invalid_request,
-                         "animation is larger than " + std::to_string(limits_.animation_bytes) + " bytes"}});
+    return refuse({413,
+                   {api::Fault::invalid_request,
+                    "animation is larger than " + std::to_string(limits_.animation_bytes) + " bytes"}});
   if (const api::Status written = write_all(file_, bytes); !written) return refuse({0, written.error()});
   return true;
 }
@@ -148,7 +154,8 @@ api::Result<Upload> UploadReceiver::finish() {
     const bool here = std::any_of(inputs_.begin(), inputs_.end(),
                                   [&](const InputFile& input) { return input.name == needed; });
     if (!refusal_ && !here)
-      refuse_part(needed, "missing", "the part '" + std::string(needed.substr(0, needed.find('.'))) + "' is missing");
+      refuse_part(needed, "missing",
+                  "the part '" + std::string(needed.substr(0, needed.find('.'))) + "' is missing");
   }
   if (refusal_) return refusal_->error;
   finished_ = true;

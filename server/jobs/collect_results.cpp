@@ -36,7 +36,8 @@ api::Result<std::vector<ArtefactFile>> parse_manifest(std::string_view bytes) {
         const auto size = api::required(entry, "bytes");
         const auto sha256 = api::required(entry, "sha256");
         if (!path || !media_type || !size || !sha256) continue;
-        files.push_back({api::text(*path, kPathBytesMax).value_or(""), api::text(*media_type, 100).value_or(""),
+        files.push_back({api::text(*path, kPathBytesMax).value_or(""),
+                         api::text(*media_type, 100).value_or(""),
                          static_cast<std::int64_t>(api::whole(*size, 0, kFileBytesMax).value_or(0)),
                          api::text(*sha256, kSha256Digits).value_or("")});
       }
@@ -61,7 +62,8 @@ api::Status check(const std::filesystem::path& folder, const std::vector<Artefac
   return verify_files(folder, claims);
 }
 
-api::Result<api::KeyFrameReport> read_key_frames(const std::filesystem::path& folder, std::uint32_t frame_count) {
+api::Result<api::KeyFrameReport> read_key_frames(const std::filesystem::path& folder,
+                                                 std::uint32_t frame_count) {
   const auto bytes = read_below(folder, "key_frames.json", kKeyFramesBytesMax);
   if (!bytes) return bytes.error();
   auto report = api::parse_key_frame_report(*bytes);

@@ -10,8 +10,8 @@
 
 namespace server {
 
-/// artefacts/manifest.json and artefacts/key_frames.json of `job_folder`; every listed file is checked for size
-/// and SHA-256, and manifest.json is added to the list. Errors: invalid_request saying what is wrong.
+/// artefacts/manifest.json and artefacts/key_frames.json of `job_folder`; every listed file is checked for
+/// size and SHA-256, and manifest.json is added to the list. Errors: invalid_request saying what is wrong.
 api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count);
 
 /// report.json, checked; none or a broken one: an empty report.

@@ -73,8 +73,8 @@ api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, co
   if (job.attempts_without_progress < rules_.attempts_without_progress_max)
     return store_.requeue(lease, why, outcome.end, true);
   const api::JobReport report = read_report(folder_.job(job.id));
-  const StepReason final{outcome.reason, "given up after " + std::to_string(job.attempt) + " attempts: " +
-                                             why.message};
+  const StepReason final{outcome.reason,
+                         "given up after " + std::to_string(job.attempt) + " attempts: " + why.message};
   return store_.fail(lease, final, outcome.end, api::job_report_json(report));
 }
 

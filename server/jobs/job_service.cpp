@@ -50,8 +50,8 @@ api::Result<api::JobRequest> JobService::check(const Upload& upload) const {
 api::Result<Job> JobService::keep(const Upload& upload, const api::JobRequest& request) {
   const std::filesystem::path from = folder_.upload(upload.id);
   const std::filesystem::path to = folder_.job(upload.id);
-  // The order matters: files and names durable, then the row. A crash in between leaves a folder without a row,
-  // which the next start removes; never a row without files.
+  // The order matters: files and names durable, then the row. A crash in between leaves a folder without a
+  // row, which the next start removes; never a row without files.
   for (const auto& path : {from / "input", from})
     if (const api::Status synced = sync_folder(path); !synced) {
       discard(upload);

@@ -48,8 +48,8 @@ class JobService {
   JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock = system_clock_ms);
 
   /// Checks the upload in full, then makes it a queued job that survives whatever happens from now on. On any
-  /// error nothing of it is left on disk. Errors: invalid_request (violations), out_of_resources (queue full),
-  /// disk_full, internal.
+  /// error nothing of it is left on disk. Errors: invalid_request (violations), out_of_resources (queue
+  /// full), disk_full, internal.
   api::Result<Job> submit(const Upload& upload);
   /// Forgets an upload that did not become a job.
   void discard(const Upload& upload) const;

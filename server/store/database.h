@@ -15,10 +15,10 @@ namespace server {
 /// and checkpoint at the same time, and because then nobody ever waits for a lock of another.
 class Database {
  public:
-  /// Opens or creates `file` and sets, then reads back, every pragma that durability rests on: journal_mode=WAL,
-  /// synchronous=FULL, foreign_keys=ON. A setting that did not take is an error: better no service than a
-  /// service that loses jobs. Nothing else may ever open(2) that file: closing such a descriptor would drop
-  /// SQLite's locks.
+  /// Opens or creates `file` and sets, then reads back, every pragma that durability rests on:
+  /// journal_mode=WAL, synchronous=FULL, foreign_keys=ON. A setting that did not take is an error: better no
+  /// service than a service that loses jobs. Nothing else may ever open(2) that file: closing such a
+  /// descriptor would drop SQLite's locks.
   static api::Result<Database> open(const std::filesystem::path& file);
 
   Statement prepare(std::string_view sql) { return Statement(handle_.get(), sql); }

@@ -39,7 +39,8 @@ api::Result<std::optional<Claim>> JobStore::claim() {
   if (!stepped) return stepped.error();
   Statement lease = database_.prepare(
       "UPDATE job SET attempt = attempt + 1, attempts_without_progress = attempts_without_progress + 1, "
-      "lease = lease + 1, started_ms = coalesce(started_ms, ?), stage = NULL, stage_fraction = 0, fraction = 0, "
+      "lease = lease + 1, started_ms = coalesce(started_ms, ?), stage = NULL, stage_fraction = 0, fraction = "
+      "0, "
       "progress_message = '' WHERE seq = ?");
   if (const api::Status done = lease.bind(now).bind(seq).run(); !done) return done.error();
   Statement attempt = database_.prepare(
@@ -83,7 +84,8 @@ api::Result<JobState> JobStore::record_progress(const Lease& lease, const api::P
 }
 
 api::Result<Job> JobStore::leased_job_locked(const Lease& lease) {
-  Statement select = database_.prepare(std::string(kJobColumns) + "WHERE seq = ? AND lease = ? "
+  Statement select = database_.prepare(std::string(kJobColumns) +
+                                       "WHERE seq = ? AND lease = ? "
                                        "AND state IN ('running', 'cancel_requested')");
   select.bind(lease.job_seq).bind(lease.token);
   if (select.next()) return read_job(select);
@@ -115,7 +117,8 @@ api::Status JobStore::leave_running(const Lease& lease, const Step& wanted, cons
   const std::string_view outcome = wanted.why.reason.empty() ? api::name_of(wanted.to) : wanted.why.reason;
   if (api::Status ended = end_attempt(lease, outcome, end); !ended) return ended;
   Statement keep = database_.prepare(
-      "UPDATE job SET best_fraction = max(best_fraction, fraction), report = coalesce(?, report) WHERE seq = ?");
+      "UPDATE job SET best_fraction = max(best_fraction, fraction), report = coalesce(?, report) WHERE seq = "
+      "?");
   if (report_json.empty())
     keep.bind_null();
   else
@@ -132,7 +135,8 @@ api::Status JobStore::succeed(const Lease& lease, const Results& results, std::s
   if (api::Status left = leave_running(lease, wanted, {0, std::nullopt}, report_json); !left) return left;
   if (api::Status kept = insert_results(lease.job_seq, results); !kept) return kept;
   Statement whole = database_.prepare(
-      "UPDATE job SET fraction = 1, stage_fraction = 1, key_frame_count = (SELECT nullif(count(*), 0) FROM frame "
+      "UPDATE job SET fraction = 1, stage_fraction = 1, key_frame_count = (SELECT nullif(count(*), 0) FROM "
+      "frame "
       "WHERE job_seq = seq AND kind <> 'interpolated') WHERE seq = ?");
   if (api::Status done = whole.bind(lease.job_seq).run(); !done) return done;
   return transaction.commit();
@@ -182,7 +186,8 @@ api::Result<std::vector<Orphan>> JobStore::orphans() {
   if (const api::Status ok = jobs.status(); !ok) return ok.error();
 
   Statement worker = database_.prepare(
-      "SELECT attempt.lease, worker_pid, worker_start_ticks, worker_boot_id FROM attempt JOIN job ON seq = job_seq "
+      "SELECT attempt.lease, worker_pid, worker_start_ticks, worker_boot_id FROM attempt JOIN job ON seq = "
+      "job_seq "
       "WHERE seq = ? AND number = job.attempt");
   for (Orphan& orphan : orphans) {
     if (worker.bind(orphan.job.seq).next()) {

@@ -49,12 +49,13 @@ api::Status JobStore::insert_results(std::int64_t job_seq, const Results& result
 
 api::Result<std::vector<InputFile>> JobStore::inputs(std::int64_t job_seq) {
   const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT name, role, bytes FROM job_input WHERE job_seq = ? ORDER BY name");
+  Statement select =
+      database_.prepare("SELECT name, role, bytes FROM job_input WHERE job_seq = ? ORDER BY name");
   select.bind(job_seq);
   std::vector<InputFile> inputs;
   while (select.next())
-    inputs.push_back({select.text(0), input_role_named(select.text(1)).value_or(InputRole::texture),
-                      select.integer(2)});
+    inputs.push_back(
+        {select.text(0), input_role_named(select.text(1)).value_or(InputRole::texture), select.integer(2)});
   if (const api::Status ok = select.status(); !ok) return ok.error();
   return inputs;
 }
@@ -67,8 +68,11 @@ api::Result<std::vector<Attempt>> JobStore::attempts(std::int64_t job_seq) {
   select.bind(job_seq);
   std::vector<Attempt> attempts;
   while (select.next()) {
-    Attempt attempt{static_cast<std::uint32_t>(select.integer(0)), select.integer(1), select.optional_integer(2),
-                    select.text(3), {}};
+    Attempt attempt{static_cast<std::uint32_t>(select.integer(0)),
+                    select.integer(1),
+                    select.optional_integer(2),
+                    select.text(3),
+                    {}};
     if (const auto code = select.optional_integer(4)) attempt.end.exit_code = static_cast<int>(*code);
     if (const auto number = select.optional_integer(5)) attempt.end.signal = static_cast<int>(*number);
     attempts.push_back(std::move(attempt));
@@ -105,8 +109,8 @@ api::Result<std::vector<ArtefactFile>> JobStore::artefacts(std::int64_t job_seq)
 
 api::Result<ArtefactFile> JobStore::artefact(std::int64_t job_seq, std::string_view path) {
   const std::lock_guard lock(mutex_);
-  Statement select =
-      database_.prepare("SELECT path, media_type, bytes, sha256 FROM artefact WHERE job_seq = ? AND path = ?");
+  Statement select = database_.prepare(
+      "SELECT path, media_type, bytes, sha256 FROM artefact WHERE job_seq = ? AND path = ?");
   select.bind(job_seq).bind(path);
   if (select.next()) return read_artefact(select);
   if (const api::Status ok = select.status(); !ok) return ok.error();
@@ -115,7 +119,8 @@ api::Result<ArtefactFile> JobStore::artefact(std::int64_t job_seq, std::string_v
 
 api::Result<std::vector<api::FrameRecord>> JobStore::frames(std::int64_t job_seq) {
   const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT frame, kind, error FROM frame WHERE job_seq = ? ORDER BY frame");
+  Statement select =
+      database_.prepare("SELECT frame, kind, error FROM frame WHERE job_seq = ? ORDER BY frame");
   select.bind(job_seq);
   std::vector<api::FrameRecord> frames;
   while (select.next())

@@ -51,8 +51,8 @@ struct Job {
   std::optional<std::int64_t> finished_ms;
 };
 
-/// The right to write for one attempt of a job. Every write of an attempt carries it; once another attempt has
-/// begun, the old one's writes are refused.
+/// The right to write for one attempt of a job. Every write of an attempt carries it; once another attempt
+/// has begun, the old one's writes are refused.
 struct Lease {
   std::int64_t job_seq = 0;
   std::int64_t token = 0;

@@ -77,7 +77,8 @@ api::Result<Job> JobStore::insert(const NewJob& job) {
   }
 
   Statement event = database_.prepare(
-      "INSERT INTO event(job_seq, at_ms, to_state, reason, message) VALUES (?, ?, 'queued', 'submitted', '')");
+      "INSERT INTO event(job_seq, at_ms, to_state, reason, message) VALUES (?, ?, 'queued', 'submitted', "
+      "'')");
   if (const api::Status done = event.bind(seq).bind(now).run(); !done) return done.error();
   if (const api::Status done = transaction.commit(); !done) return done.error();
   return job_locked(job.id);

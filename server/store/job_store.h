@@ -27,8 +27,8 @@ struct StepReason {
   std::string message;  ///< for people
 };
 
-/// Safe for use by several threads. Faults: not_found for an unknown job, wrong_state for a step that the job's
-/// state (or a newer lease) does not allow, disk_full, internal.
+/// Safe for use by several threads. Faults: not_found for an unknown job, wrong_state for a step that the
+/// job's state (or a newer lease) does not allow, disk_full, internal.
 class JobStore {
  public:
   static api::Result<std::unique_ptr<JobStore>> open(const std::filesystem::path& file,
@@ -38,8 +38,8 @@ class JobStore {
   api::Result<Job> insert(const NewJob& job);
   api::Result<Job> job(std::string_view id);
   /// Newest first, of `state` if given, older than `before_seq` if given.
-  api::Result<std::vector<Job>> list(std::optional<api::JobState> state, std::optional<std::int64_t> before_seq,
-                                     std::int64_t limit);
+  api::Result<std::vector<Job>> list(std::optional<api::JobState> state,
+                                     std::optional<std::int64_t> before_seq, std::int64_t limit);
   api::Result<std::int64_t> count(api::JobState state);
   /// queued -> canceled, running -> cancel_requested; nothing to do for the two states it leads to.
   api::Result<Job> cancel(std::string_view id);

@@ -21,8 +21,8 @@ api::Status apply(Database& database, const Migration& migration) {
   for (const std::string& script : {std::string(migration.sql), version}) {
     const api::Status done = database.execute(script);
     if (!done)
-      return api::Error{done.error().fault, "migration " + std::string(migration.name) + ": " +
-                                                done.error().message};
+      return api::Error{done.error().fault,
+                        "migration " + std::string(migration.name) + ": " + done.error().message};
   }
   return transaction.commit();
 }
@@ -70,8 +70,8 @@ api::Status check_integrity(Database& database) {
   if (answer != "ok") return api::Error{api::Fault::internal, "database is damaged: " + answer};
   Statement keys = database.prepare("PRAGMA foreign_key_check");
   if (keys.next())
-    return api::Error{api::Fault::internal, "database is damaged: a row of " + keys.text(0) +
-                                                " refers to a row that is gone"};
+    return api::Error{api::Fault::internal,
+                      "database is damaged: a row of " + keys.text(0) + " refers to a row that is gone"};
   return keys.status();
 }
 

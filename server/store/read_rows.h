@@ -10,9 +10,11 @@ namespace server {
 
 /// The columns that read_job expects, to be followed by FROM job ...
 inline constexpr std::string_view kJobColumns =
-    "SELECT seq, id, name, state, reason, message, frame_count, fps, stage, stage_fraction, fraction, attempt, "
+    "SELECT seq, id, name, state, reason, message, frame_count, fps, stage, stage_fraction, fraction, "
+    "attempt, "
     "attempts_without_progress, "
-    "key_frame_count, coalesce(report, ''), version, created_ms, updated_ms, started_ms, finished_ms FROM job ";
+    "key_frame_count, coalesce(report, ''), version, created_ms, updated_ms, started_ms, finished_ms FROM "
+    "job ";
 
 Job read_job(const Statement& row);
 

@@ -13,8 +13,8 @@ struct sqlite3_stmt;
 
 namespace server {
 
-/// Bind in order, step, read, then ask status(). The first error sticks and makes every later call a no-op, so
-/// it is tested once, at the end:
+/// Bind in order, step, read, then ask status(). The first error sticks and makes every later call a no-op,
+/// so it is tested once, at the end:
 ///
 ///     Statement select = database.prepare("SELECT name FROM job WHERE seq > ?");
 ///     select.bind(seq);

@@ -48,7 +48,8 @@ class Watch {
  private:
   void wait(const Doorbell& bell) {
     // A closed pipe is always readable: once it is at its end, poll must not look at it.
-    std::array<pollfd, 3> events{pollfd{worker_.ended_descriptor(), POLLIN, 0}, pollfd{bell.descriptor(), POLLIN, 0},
+    std::array<pollfd, 3> events{pollfd{worker_.ended_descriptor(), POLLIN, 0},
+                                 pollfd{bell.descriptor(), POLLIN, 0},
                                  pollfd{log_open_ ? worker_.output().get() : -1, POLLIN, 0}};
     (void)::poll(events.data(), events.size(), static_cast<int>(rules_.look_every.count()));
     if (events[1].revents & POLLIN) {
@@ -81,10 +82,10 @@ class Watch {
     const auto now = SteadyClock::now();
     if (killed_ == Killed::no) {
       if (wanted_ && !stopping && now - last_sign_ < rules_.silence_max && !tail_.flooded()) return;
-      killed_ = !wanted_                 ? Killed::canceled
-                : stopping               ? Killed::server_stopped
-                : tail_.flooded()        ? Killed::flooded
-                                         : Killed::stuck;
+      killed_ = !wanted_          ? Killed::canceled
+                : stopping        ? Killed::server_stopped
+                : tail_.flooded() ? Killed::flooded
+                                  : Killed::stuck;
       const bool polite = killed_ == Killed::canceled || killed_ == Killed::server_stopped;
       worker_.signal_group(polite ? SIGTERM : SIGKILL);
       kill_at_ = now + rules_.stop_grace;
@@ -117,12 +118,18 @@ AttemptOutcome outcome_of_killing(Killed killed, const ProcessEnd& end, const Wo
   const AttemptEnd how{end.exit_code, end.signal};
   switch (killed) {
     case Killed::stuck:
-      return {OutcomeKind::lost, "worker_stuck",
+      return {OutcomeKind::lost,
+              "worker_stuck",
               "the worker gave no sign for " + std::to_string(rules.silence_max.count() / 1000) +
                   " s and was killed",
-              how, {}};
+              how,
+              {}};
     case Killed::flooded:
-      return {OutcomeKind::lost, "worker_flooded", "the worker wrote progress without end and was killed", how, {}};
+      return {OutcomeKind::lost,
+              "worker_flooded",
+              "the worker wrote progress without end and was killed",
+              how,
+              {}};
     case Killed::server_stopped:
       return {OutcomeKind::server_stopped, "server_stopped", "the server was stopped", how, {}};
     case Killed::canceled:
@@ -147,7 +154,11 @@ AttemptOutcome outcome_of(const ProcessEnd& end) {
     case api::ExitCode::invalid_input:
       return {OutcomeKind::refused, "invalid_input", "the worker refused the job", how, {}};
     case api::ExitCode::limit_exceeded:
-      return {OutcomeKind::limit_exceeded, "limit_exceeded", "the job asks for more than the limits allow", how, {}};
+      return {OutcomeKind::limit_exceeded,
+              "limit_exceeded",
+              "the job asks for more than the limits allow",
+              how,
+              {}};
     case api::ExitCode::disk_full:
       return {OutcomeKind::disk_full, "disk_full", "the disk is full; the job waits for room", how, {}};
     case api::ExitCode::stopped:
@@ -156,12 +167,15 @@ AttemptOutcome outcome_of(const ProcessEnd& end) {
     case api::ExitCode::usage:
       break;
   }
-  return {OutcomeKind::lost, "worker_failed",
-          "the worker ended with exit code " + std::to_string(end.exit_code.value_or(-1)), how, {}};
+  return {OutcomeKind::lost,
+          "worker_failed",
+          "the worker ended with exit code " + std::to_string(end.exit_code.value_or(-1)),
+          how,
+          {}};
 }
 
-AttemptOutcome run_attempt(JobService& jobs, const Claim& claim, const WorkerRules& rules, const Doorbell& bell,
-                           const std::atomic<bool>& stopping) {
+AttemptOutcome run_attempt(JobService& jobs, const Claim& claim, const WorkerRules& rules,
+                           const Doorbell& bell, const std::atomic<bool>& stopping) {
   std::vector<std::string> arguments{"render", jobs.folder_of(claim.job).string(), "--parent",
                                      std::to_string(::getpid())};
   arguments.insert(arguments.end(), rules.render_options.begin(), rules.render_options.end());

@@ -15,8 +15,8 @@
 namespace server {
 
 struct WorkerRules {
-  std::filesystem::path program;  ///< the worker executable
-  std::vector<std::string> render_options;  ///< handed to `keylume render JOB_FOLDER` as they are
+  std::filesystem::path program;                   ///< the worker executable
+  std::vector<std::string> render_options;         ///< handed to `keylume render JOB_FOLDER` as they are
   std::chrono::milliseconds silence_max{120'000};  ///< without a progress line: stuck, killed
   std::chrono::milliseconds stop_grace{5'000};     ///< from SIGTERM to SIGKILL
   std::chrono::milliseconds look_every{100};       ///< at the progress file
@@ -26,8 +26,8 @@ struct WorkerRules {
 /// Runs the worker on the claimed job and returns when it is dead, whatever it did. `bell` rings when there
 /// is something to look at: a wish to cancel, or `stopping`.
 /// Call on a thread that lives as long as the server.
-AttemptOutcome run_attempt(JobService& jobs, const Claim& claim, const WorkerRules& rules, const Doorbell& bell,
-                           const std::atomic<bool>& stopping);
+AttemptOutcome run_attempt(JobService& jobs, const Claim& claim, const WorkerRules& rules,
+                           const Doorbell& bell, const std::atomic<bool>& stopping);
 
 /// The meaning of an exit code or signal that was not our doing.
 AttemptOutcome outcome_of(const ProcessEnd& end);

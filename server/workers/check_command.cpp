@@ -49,7 +49,8 @@ api::Error refusal_of(const std::filesystem::path& folder, api::Fault fault, std
 
 api::Status verdict(const std::filesystem::path& folder, const ProcessEnd& end, const WorkerLog& log) {
   // A limit that the check runs into is the job's doing too: it must not be tried again as it is.
-  constexpr std::string_view kTooLarge = "the job needs more time or memory to be checked than the limits allow";
+  constexpr std::string_view kTooLarge =
+      "the job needs more time or memory to be checked than the limits allow";
   if (end.signal == SIGXCPU) return refusal_of(folder, api::Fault::invalid_request, kTooLarge);
   switch (static_cast<api::ExitCode>(end.exit_code.value_or(-1))) {
     case api::ExitCode::ok:
@@ -63,7 +64,8 @@ api::Status verdict(const std::filesystem::path& folder, const ProcessEnd& end, 
     default:
       break;
   }
-  const std::string how = end.signal ? signal_name(*end.signal) : "exit code " + std::to_string(*end.exit_code);
+  const std::string how =
+      end.signal ? signal_name(*end.signal) : "exit code " + std::to_string(*end.exit_code);
   return api::Error{api::Fault::internal, "the check of the job failed with " + how + ": " + log.tail()};
 }
 

@@ -1,4 +1,5 @@
-// Looks at an upload without letting a stranger's file near the server: `keylume check` in a process of its own.
+// Looks at an upload without letting a stranger's file near the server: `keylume check` in a process of its
+// own.
 #pragma once
 
 #include <chrono>
@@ -11,7 +12,7 @@
 namespace server {
 
 struct CheckRules {
-  std::filesystem::path program;  ///< the worker executable
+  std::filesystem::path program;   ///< the worker executable
   std::uint64_t memory_mb = 2048;  ///< of private memory, kept by the worker itself
   std::uint64_t processor_seconds = 60;
   std::chrono::milliseconds time_max{90'000};  ///< wall clock; killed after it

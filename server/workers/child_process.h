@@ -25,8 +25,8 @@ struct ProcessEnd {
 /// standard input, a pipe that ends when we do, so that the child learns of our death; standard output and
 /// standard error, one pipe to `output`. Killed and reaped with its owner.
 ///
-/// The kernel binds a child's "die with my parent" to the thread that spawned it: that thread must live as long
-/// as the child.
+/// The kernel binds a child's "die with my parent" to the thread that spawned it: that thread must live as
+/// long as the child.
 class ChildProcess {
  public:
   /// Errors: not_found or internal when the program cannot be started.

@@ -56,7 +56,8 @@ api::Status kill_and_confirm(const ProcessIdentity& process) {
   const auto deadline = std::chrono::steady_clock::now() + kDeathPatience;
   while (std::chrono::steady_clock::now() < deadline) {
     const auto now = identity_of(pid);
-    if (!now || now->start_ticks != process.start_ticks || now->boot_id != process.boot_id) return api::Done{};
+    if (!now || now->start_ticks != process.start_ticks || now->boot_id != process.boot_id)
+      return api::Done{};
     if (::kill(-pid, SIGKILL) != 0 && ::kill(pid, SIGKILL) != 0 && errno == EPERM)
       return api::Error{api::Fault::internal, "process " + std::to_string(pid) + " cannot be killed"};
     std::this_thread::sleep_for(kLookAgainAfter);

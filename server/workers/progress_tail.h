@@ -19,7 +19,7 @@ class ProgressTail {
   explicit ProgressTail(std::filesystem::path job_folder);
 
   struct News {
-    bool alive = false;                      ///< any good line came
+    bool alive = false;                       ///< any good line came
     std::optional<api::ProgressLine> newest;  ///< the last of them
   };
   /// What was appended since the last call, as far as it is whole lines; at most kReadBytesMax of it.

@@ -15,8 +15,8 @@ constexpr int kPiecesAtOnce = 64;  // a flood must not keep us from watching
 }  // namespace
 
 WorkerLog::WorkerLog(const std::filesystem::path& job_folder, std::string_view title)
-    : file_(::open((job_folder / "worker.log").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW,
-                   0600)) {
+    : file_(::open((job_folder / "worker.log").c_str(),
+                   O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600)) {
   if (file_) (void)write_all(file_, "--- " + std::string(title) + "\n");
 }
 
@@ -38,7 +38,8 @@ void WorkerLog::add(std::string_view text) {
   if (cut_ || !file_) return;
   written_ += static_cast<std::int64_t>(text.size());
   cut_ = written_ > kAttemptBytesMax;
-  (void)write_all(file_, cut_ ? std::string_view("\n--- the rest of this attempt's output is left out\n") : text);
+  (void)write_all(file_,
+                  cut_ ? std::string_view("\n--- the rest of this attempt's output is left out\n") : text);
 }
 
 std::string WorkerLog::tail() const {
