@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -65,11 +67,7 @@ class SchemaWalk {
       else
         visit_property(property, build, without, "/" + name);
     }
-    refuse(
-        [](const ParsedJson&) {
-          return ParsedJson{{"no_such_field", 1}};
-        },
-        0, "/no_such_field", "unknown_field");
+    expect_fields(schema_["properties"], {{"no_such_field", 1}}, "/");
   }
   int accepted() const { return accepted_; }
   int refused() const { return refused_; }
@@ -124,6 +122,20 @@ class SchemaWalk {
     EXPECT_TRUE(named) << at << ": expected the code " << code << " for " << value.dump().substr(0, 200)
                        << "\n"
                        << problem_json(request.error(), 422, "");
+  }
+
+  /// Nothing is read that the schema does not tell: the refusal of an unknown field lists those that are
+  /// known.
+  void expect_fields(const ParsedJson& properties, const ParsedJson& document, const std::string& at) {
+    std::set<std::string> stated, known;
+    for (const auto& [name, property] : properties.items()) stated.insert(name);
+    const auto request = parse_job_request(fitted(document).dump());
+    ASSERT_FALSE(request) << at;
+    const std::string detail = request.error().violations.at(0).detail;
+    const std::regex quoted("\"([^\"]+)\"");
+    for (std::sregex_iterator match(detail.begin(), detail.end(), quoted), end; match != end; ++match)
+      known.insert((*match)[1]);
+    EXPECT_EQ(known, stated) << at << ": " << detail;
   }
 
   /// Heeded, and of the default that is stated; then what is inside it.
@@ -273,6 +285,7 @@ class SchemaWalk {
     ParsedJson with_unknown = minimal;
     with_unknown["no_such_field"] = 1;
     refuse(build, with_unknown, at, "unknown_field");
+    if (alone) expect_fields(schema["properties"], build(with_unknown), at);
     // One of several forms may lack what makes it this form, and be another.
     if (alone) refuse(build, 7, at, "wrong_type");
     for (const auto& [name, property] : schema["properties"].items()) {
