@@ -41,7 +41,7 @@ struct LightingOptions {
   double estimate_patch_edge_m = 2.0;
 
   /// Global lines of the estimate.  [lines] 1e3 .. 1e8
-  std::uint64_t estimate_line_count = 200'000;
+  std::uint64_t estimate_line_count = 400'000;
 
   /// Mode `default`: largest interpolation error, relative to max(B of patch and frame, half the mean B).
   /// (0, 1]

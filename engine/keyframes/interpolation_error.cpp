@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace engine {
 namespace {
@@ -30,8 +31,9 @@ float weight_of(api::FrameIndex a, api::FrameIndex f, api::FrameIndex b) {
 }  // namespace
 
 InterpolationError::InterpolationError(const LitScene& lit, const PatchSeries& radiosity_w_m2,
-                                       const PatchSeries& interpolated_w_m2)
+                                       const PatchSeries& interpolated_w_m2, std::vector<float> noise_w_m2)
     : interpolated_(interpolated_w_m2),
+      noise_(std::move(noise_w_m2)),
       scale_(radiosity_w_m2.values.size()),
       refused_first_(lit.patches.count()) {
   const auto floor = static_cast<float>(0.5 * mean_radiosity(lit, radiosity_w_m2));
@@ -46,7 +48,11 @@ float InterpolationError::of_patch(PatchId patch, api::FrameIndex a, api::FrameI
                                    float weight) const {
   const Rgb* row = interpolated_.row(patch);
   const Rgb missed = row[a] * (1.0f - weight) + row[b] * weight - row[f];
-  const float largest = std::max({std::abs(missed.r), std::abs(missed.g), std::abs(missed.b)});
+  float largest = std::max({std::abs(missed.r), std::abs(missed.g), std::abs(missed.b)});
+  if (!noise_.empty()) {
+    const float spread = std::sqrt(1.0f + weight * weight + (1.0f - weight) * (1.0f - weight));
+    largest = std::max(0.0f, largest - kSignificance * spread * noise_[patch]);
+  }
   return largest * scale_[std::size_t{patch} * interpolated_.frame_count + f];
 }
 

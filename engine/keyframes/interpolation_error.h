@@ -8,17 +8,25 @@
 
 namespace engine {
 
+/// Standard errors that a difference must exceed to count: exceeded by chance once in 16,000 times, so rarely
+/// among the hundreds of patches and frames that each interval is tested on.
+inline constexpr float kSignificance = 4.0f;
+
 /// The part of the radiosity that is interpolated, and what its error is measured against:
 ///
 ///     e(i, f) = max_c | B^ - B | / max(max_c B(i, f), mean B / 2)            [-]
 ///
-/// mean B is area-weighted over the patches that do not emit, and over the frames.
+/// mean B is area-weighted over the patches that do not emit, and over the frames. Where the noise of B is
+/// known, only what stands out of it counts: from | B^ - B | are taken kSignificance standard errors of that
+/// difference, sigma sqrt(1 + w^2 + (1-w)^2) where the frames are independent (w: weight of the later key).
+/// An error that noise hides cannot be told from it, and a key-frame would not mend it.
 class InterpolationError {
  public:
   /// radiosity: B;  interpolated: the part of it that is interpolated; both [patch][frame], kept by
   /// reference.
+  /// noise: standard error of `interpolated` in a frame, [patch]; empty: none.
   InterpolationError(const LitScene& lit, const PatchSeries& radiosity_w_m2,
-                     const PatchSeries& interpolated_w_m2);
+                     const PatchSeries& interpolated_w_m2, std::vector<float> noise_w_m2 = {});
 
   std::uint32_t frame_count() const { return interpolated_.frame_count; }
 
@@ -40,6 +48,7 @@ class InterpolationError {
   float of_patch(PatchId patch, api::FrameIndex a, api::FrameIndex f, api::FrameIndex b, float weight) const;
 
   const PatchSeries& interpolated_;
+  std::vector<float> noise_;            ///< [patch], or empty
   std::vector<float> scale_;            ///< 1 / max(max_c B, mean B / 2), [patch][frame]
   std::vector<PatchId> refused_first_;  ///< all patches, those that refused lately in front
 };

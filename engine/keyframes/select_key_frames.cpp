@@ -83,7 +83,7 @@ KeyFrames select_key_frames(const Scene& scene, const Animation& animation, cons
   chosen.report.mode = options.mode;
   if (options.mode == api::LightingMode::standard) {
     const LitScene lit{scene, animation, estimate.patches, static_rays};
-    InterpolationError error(lit, estimate.radiosity_w_m2, estimate.indirect_w_m2);
+    InterpolationError error(lit, estimate.radiosity_w_m2, estimate.indirect_w_m2, estimate.noise_w_m2);
     chosen.keys = fewest_key_frames(error, options.tolerance, frames_at_jumps(animation));
     chosen.checks = middles(chosen.keys);
     merge_solved(chosen);
