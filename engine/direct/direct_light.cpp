@@ -13,7 +13,7 @@
 namespace engine {
 namespace {
 
-constexpr PatchId kPatchesPerTask = 64;
+constexpr PatchId kPatchesPerTask = 4;  // one that moves takes as long as all its frames
 
 /// A light and its poses in the window.
 struct WindowLight {
@@ -178,13 +178,14 @@ api::Result<PatchSeries> direct_light(const Patches& patches, const Animation& a
     const auto window_frames = frames.subspan(begin, std::min(kWindowMax, frames.size() - begin));
     const WindowLighter lighter(patches, animation, static_rays, window_frames, options);
     parallel_for(tasks, [&](std::size_t task) {
-      if (stopped || progress.stop_requested()) {
-        stopped = true;
-        return;
-      }
       const PatchId first = static_cast<PatchId>(task) * kPatchesPerTask;
-      for (PatchId patch = first; patch < std::min(first + kPatchesPerTask, patches.count()); ++patch)
+      for (PatchId patch = first; patch < std::min(first + kPatchesPerTask, patches.count()); ++patch) {
+        if (stopped || progress.stop_requested()) {
+          stopped = true;
+          return;
+        }
         lighter.light_patch(patch, irradiance.row(patch) + begin);
+      }
       progress.report(static_cast<double>(++done) / static_cast<double>(tasks * windows));
     });
   }

@@ -1,6 +1,7 @@
 #include "engine/lighting/gather.h"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <tuple>
 
@@ -63,19 +64,28 @@ float* floats(Rgb* row) {
 
 SampledOperator::SampledOperator(const Patches& patches, const TracedLines& lines)
     : patches_(patches), lines_(lines) {
-  for (PatchId patch = 0; patch < patches.count(); ++patch)
+  for (PatchId patch = 0; patch < patches.count(); ++patch) {
+    const SlotMask& present = lines.crossings.present[patches.facets[patches.facet_of[patch]].object];
     for (std::uint32_t slot = 0; slot < lines.slot_count; ++slot)
-      if (lines.crossings.at(patch, slot) == 0) empty_rows_.push_back({patch, slot});
+      if (present.test(slot) && lines.crossings.at(patch, slot) == 0) empty_rows_.push_back({patch, slot});
+  }
 }
 
-void SampledOperator::apply(const PatchSeries& radiosity, PatchSeries& irradiance) const {
+bool SampledOperator::apply(const PatchSeries& radiosity, PatchSeries& irradiance,
+                            const Progress& progress) const {
   const std::uint32_t count = patches_.count();
+  std::atomic<bool> stopped = false;
   parallel_for((count + kRowsPerTask - 1) / kRowsPerTask, [&](std::size_t task) {
+    if (stopped || progress.stop_requested()) {
+      stopped = true;
+      return;
+    }
     const PatchId first = static_cast<PatchId>(task) * kRowsPerTask;
     for (PatchId patch = first; patch < std::min(first + kRowsPerTask, count); ++patch)
       gather_row(patch, radiosity, irradiance.row(patch));
   });
-  fill_empty_rows(irradiance);
+  if (!stopped) fill_empty_rows(irradiance);
+  return !stopped;
 }
 
 void SampledOperator::gather_row(PatchId patch, const PatchSeries& radiosity, Rgb* out) const {

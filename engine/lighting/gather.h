@@ -8,7 +8,7 @@
 
 namespace engine {
 
-/// A patch and slot that no line met.
+/// A patch that is there in a slot, and that no line met.
 struct EmptyRow {
   PatchId patch = 0;
   std::uint32_t slot = 0;
@@ -26,8 +26,9 @@ class SampledOperator {
  public:
   SampledOperator(const Patches& patches, const TracedLines& lines);
 
-  /// H = T B. Each row is summed by one thread in a fixed order: the same bytes for any thread count.
-  void apply(const PatchSeries& radiosity, PatchSeries& irradiance) const;
+  /// H = T B. Each row is summed by one thread in a fixed order: the same bytes for any thread count. False,
+  /// and `irradiance` is unfinished, where it was told to stop.
+  bool apply(const PatchSeries& radiosity, PatchSeries& irradiance, const Progress& progress) const;
 
   /// Rows that no line met; apply() gives them the mean of their polygon (else of their object, else 0).
   const std::vector<EmptyRow>& empty_rows() const { return empty_rows_; }

@@ -59,8 +59,8 @@ api::Result<Solution> solve_lighting(const Patches& patches, const TracedLines& 
   PatchSeries radiosity = source_w_m2;
   double first_change = 0;
   do {
-    if (progress.stop_requested()) return api::Error{api::Fault::stopped, "stopped while solving"};
-    sampled.apply(radiosity, solution.irradiance_w_m2);
+    if (!sampled.apply(radiosity, solution.irradiance_w_m2, progress))
+      return api::Error{api::Fault::stopped, "stopped while solving"};
     solution.last_change = update(reflectance, source_w_m2, solution.irradiance_w_m2, radiosity) / mean;
     if (++solution.iterations == 1) first_change = solution.last_change;
     // The change shrinks by about the same factor each time, so its logarithm measures the way.

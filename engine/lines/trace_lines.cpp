@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "engine/lines/visibility_list.h"
+#include "engine/patches/placed_facet.h"
 
 namespace engine {
 namespace {
@@ -19,9 +20,15 @@ void count_one(std::uint32_t& counter) {
   std::atomic_ref(counter).fetch_add(1, std::memory_order_relaxed);
 }
 
-CrossingCounts empty_counts(const Patches& patches, const Animation& animation, std::uint32_t slot_count) {
+CrossingCounts empty_counts(const Patches& patches, const Animation& animation,
+                            std::span<const FrameIndex> frames) {
   CrossingCounts counts;
-  counts.slot_count = slot_count;
+  counts.slot_count = static_cast<std::uint32_t>(frames.size());
+  for (const ObjectMotion& motion : animation.objects) {
+    counts.present.emplace_back();
+    for (const PlacedRange& range : placed_ranges(motion, frames))
+      counts.present.back().set(range.first_slot, range.last_slot);
+  }
   counts.static_count.assign(patches.count(), 0);
   counts.moving_row.assign(patches.count(), kNoPatch);
   std::uint32_t rows = 0;
@@ -30,7 +37,7 @@ CrossingCounts empty_counts(const Patches& patches, const Animation& animation, 
     for (PatchId p = facet.first_patch; p < facet.first_patch + facet.patch_count(); ++p)
       counts.moving_row[p] = rows++;
   }
-  counts.moving_count.assign(std::size_t{rows} * slot_count, 0);
+  counts.moving_count.assign(std::size_t{rows} * counts.slot_count, 0);
   return counts;
 }
 
@@ -118,7 +125,7 @@ api::Result<TracedLines> trace_lines(const Patches& patches, const Animation& an
   const LineBox box = line_box(patches, animation);
   TracedLines traced;
   traced.slot_count = static_cast<std::uint32_t>(frames.size());
-  traced.crossings = empty_counts(patches, animation, traced.slot_count);
+  traced.crossings = empty_counts(patches, animation, frames);
 
   const std::uint64_t chunk_count = (options.line_count + kLinesPerChunk - 1) / kLinesPerChunk;
   std::vector<std::vector<RowEntry<Exchange>>> pairs(chunk_count);

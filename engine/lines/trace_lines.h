@@ -68,6 +68,7 @@ struct CrossingCounts {
   std::vector<std::uint32_t> static_count;  ///< [patch]; 0 for patches that move
   std::vector<std::uint32_t> moving_row;    ///< [patch] -> row of moving_count, or kNoPatch
   std::vector<std::uint32_t> moving_count;  ///< [row][slot]
+  std::vector<SlotMask> present;            ///< [object]: the slots in which it is there
   std::uint32_t slot_count = 0;
 
   std::uint32_t at(PatchId patch, std::uint32_t slot) const {

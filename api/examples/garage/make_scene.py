@@ -93,7 +93,7 @@ def animation(name, middle_lamp_w_m2):
             "lamp_0_0": {"exitance_w_m2": middle_lamp_w_m2, **front},
         },
         "cameras": {
-            "main": {"position": [14.2, -8.4, 2.6], "target": [0, 2, 1.2], "vertical_fov_degrees": 60}
+            "main": {"position": [0, -8.7, 3.3], "target": [0, 1.5, 0.9], "vertical_fov_degrees": 65}
         },
         "lighting": {"preset": "standard", "mode": "default"},
         "images": [{"camera": "main", "width": 640, "height": 360, "formats": ["png"]}],
