@@ -8,6 +8,15 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+LINES_OF_A_FAILURE = 40
+
+
+def said(case):
+    """The end of what a test printed."""
+    output = case.find("system-out")
+    lines = (output.text or "").strip().splitlines() if output is not None else []
+    return (["..."] if len(lines) > LINES_OF_A_FAILURE else []) + lines[-LINES_OF_A_FAILURE:]
+
 
 def read_label(path):
     """-> (passed, failed, skipped, seconds, lines about what did not pass)"""
@@ -26,6 +35,7 @@ def read_label(path):
         else:
             failed += 1
             lines.append(f"failed:  {case.get('name')}")
+            lines += [f"    {line}" for line in said(case)]
     if passed + failed == 0:
         failed, lines = 1, lines + [f"failed:  {path.stem}: no test ran"]
     return passed, failed, skipped, seconds, lines

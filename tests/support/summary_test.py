@@ -9,7 +9,8 @@ from pathlib import Path
 import summary
 
 PASSED = '<testcase name="good" status="run" time="1.5"/>'
-FAILED = '<testcase name="bad" status="fail" time="0.5"><failure message=""/></testcase>'
+FAILED = ('<testcase name="bad" status="fail" time="0.5"><failure message=""/>'
+          '<system-out>what it said</system-out></testcase>')
 SKIPPED = '<testcase name="absent" status="notrun" time="0"><skipped message="SKIP_RETURN_CODE=77"/></testcase>'
 UNBUILT = '<testcase name="unbuilt" status="notrun" time="0"><skipped message="Unable to find executable"/></testcase>'
 
@@ -30,7 +31,7 @@ class Summary(unittest.TestCase):
     def test_a_failure_is_named_and_counted(self):
         code, output = self.run_on(unit=PASSED + FAILED)
         self.assertEqual((code, output.splitlines()[-1]), (1, "1 passed, 1 failed"))
-        self.assertIn("failed:  bad", output)
+        self.assertIn("failed:  bad\n    what it said\n", output)
 
     def test_what_is_skipped_is_named_and_has_not_passed(self):
         code, output = self.run_on(conventions=PASSED + SKIPPED)
