@@ -227,6 +227,8 @@ bool HttpServer::run() {
 
 void HttpServer::stop() {
   library_->stopping = true;
+  // The library forgets a stop that comes before its loop has begun.
+  library_->server.wait_until_ready();
   library_->server.stop();
 }
 

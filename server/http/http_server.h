@@ -36,7 +36,8 @@ class HttpServer {
   int port() const;
   /// Answers requests until `stop`. False: the socket failed.
   bool run();
-  /// Any thread. Requests under way are cut short where they stream.
+  /// Any other thread than `run`'s, which must have been started. Requests under way are cut short where they
+  /// stream.
   void stop();
 
  private:

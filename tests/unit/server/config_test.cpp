@@ -1,0 +1,70 @@
+#include "server/config.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace server {
+namespace {
+
+api::Result<CommandLine> parse(std::vector<std::string_view> words) {
+  return parse_command_line(words);
+}
+
+/// With the two options that every good command line needs here.
+api::Result<CommandLine> parse_also(std::vector<std::string_view> words) {
+  words.insert(words.begin(), {"--data", "d", "--worker=/bin/sh"});
+  return parse(words);
+}
+
+TEST(CommandLine, ReadsEveryOptionInBothForms) {
+  const auto parsed =
+      parse_also({"--listen", "127.0.0.1:9", "--worker-threads=3", "--max-upload-bytes", "1000"});
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  const Config& config = std::get<Config>(*parsed);
+  EXPECT_EQ(config.data, "d");
+  EXPECT_EQ(config.worker, "/bin/sh");
+  EXPECT_EQ(config.host, "127.0.0.1");
+  EXPECT_EQ(config.port, 9);
+  EXPECT_EQ(config.worker_threads, 3u);
+  EXPECT_EQ(config.upload_bytes_max, 1000);
+  EXPECT_EQ(std::get<Config>(*parse_also({"--listen", "[::1]:9"})).host, "::1");
+}
+
+TEST(CommandLine, ListensBeyondThisMachineOnlyWhenToldTwice) {
+  for (const char* listen :
+       {"0.0.0.0:80", "192.168.1.2:80", "[::]:80", "example.com:80", "127.example.com:80"}) {
+    EXPECT_FALSE(parse_also({"--listen", listen})) << listen;
+    EXPECT_TRUE(parse_also({"--listen", listen, "--insecure-public"})) << listen;
+  }
+  for (const char* listen : {"127.0.0.1:80", "127.9.9.9:80", "localhost:80", "[::1]:80"})
+    EXPECT_TRUE(parse_also({"--listen", listen})) << listen;
+}
+
+TEST(CommandLine, NamesTheWordThatIsWrong) {
+  const std::pair<std::vector<std::string_view>, std::string> cases[]{
+      {{}, "--data"},
+      {{"--data"}, "--data"},
+      {{"--data", "d", "--worker", "/nonexistent"}, "/nonexistent"},
+      {{"--data", "d", "--worker", "/bin/sh", "--no-such-option"}, "--no-such-option"},
+      {{"--data", "d", "--worker", "/bin/sh", "stray"}, "stray"},
+      {{"--data", "d", "--worker", "/bin/sh", "--listen", "8080"}, "8080"},
+      {{"--data", "d", "--worker", "/bin/sh", "--listen", "127.0.0.1:x"}, "127.0.0.1:x"},
+      {{"--data", "d", "--worker", "/bin/sh", "--listen", "127.0.0.1:70000"}, "70000"},
+      {{"--data", "d", "--worker", "/bin/sh", "--worker-threads", "0"}, "--worker-threads"},
+      {{"--data", "d", "--worker", "/bin/sh", "--max-upload-bytes", "-1"}, "--max-upload-bytes"},
+  };
+  for (const auto& [words, word] : cases) {
+    const auto parsed = parse(words);
+    ASSERT_FALSE(parsed) << word;
+    EXPECT_NE(parsed.error().message.find(word), std::string::npos) << parsed.error().message;
+  }
+}
+
+TEST(CommandLine, HelpAndVersionNeedNothingElse) {
+  EXPECT_TRUE(std::holds_alternative<ShowHelp>(*parse({"--help"})));
+  EXPECT_TRUE(std::holds_alternative<ShowVersion>(*parse({"--version"})));
+}
+
+}  // namespace
+}  // namespace server
