@@ -36,7 +36,7 @@ void StaticRays::all_hits(const Ray& ray, std::vector<SurfaceHit>& hits) const {
   hits.clear();
   for (const ItemHit& hit : found) {
     const SurfaceHit next = impl_->surface_hit(hit, ray.direction);
-    if (hits.empty() || !is_same_crossing(hits.back(), next)) hits.push_back(next);
+    if (!same_crossing(hits, next, [](const SurfaceHit&) { return true; })) hits.push_back(next);
   }
 }
 
