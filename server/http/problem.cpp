@@ -73,7 +73,8 @@ HttpAnswer problem(const api::Error& error, std::string_view instance) {
 }
 
 HttpAnswer problem(int status, std::string_view detail, std::string_view instance) {
-  return problem_answer({api::Fault::invalid_request, std::string(detail)}, status, instance);
+  const api::Fault fault = status == 404 ? api::Fault::not_found : api::Fault::invalid_request;
+  return problem_answer({fault, std::string(detail)}, status, instance);
 }
 
 std::string_view title_of(int status) {

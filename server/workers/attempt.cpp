@@ -6,6 +6,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "api/exit_code.h"
 #include "server/workers/progress_tail.h"
@@ -22,12 +23,13 @@ enum class Killed { no, canceled, server_stopped, stuck, flooded };
 /// The watch over one living worker.
 class Watch {
  public:
-  Watch(JobService& jobs, const Claim& claim, const WorkerRules& rules, ChildProcess& worker)
+  Watch(JobService& jobs, const Claim& claim, const WorkerRules& rules, ChildProcess& worker,
+        ProgressTail tail)
       : jobs_(jobs),
         claim_(claim),
         rules_(rules),
         worker_(worker),
-        tail_(jobs.folder_of(claim.job)),
+        tail_(std::move(tail)),
         log_(jobs.folder_of(claim.job), "attempt " + std::to_string(claim.job.attempt)) {}
 
   void run(const Doorbell& bell, const std::atomic<bool>& stopping) {
@@ -179,6 +181,8 @@ AttemptOutcome run_attempt(JobService& jobs, const Claim& claim, const WorkerRul
   std::vector<std::string> arguments{"render", jobs.folder_of(claim.job).string(), "--parent",
                                      std::to_string(::getpid())};
   arguments.insert(arguments.end(), rules.render_options.begin(), rules.render_options.end());
+  // Before the worker starts, so that none of its lines is taken for one of an earlier attempt.
+  ProgressTail tail(jobs.folder_of(claim.job));
   auto worker = ChildProcess::start(rules.program, arguments);
   if (!worker) return not_started(worker.error());
   if (const auto identity = identity_of(worker->pid())) {
@@ -186,7 +190,7 @@ AttemptOutcome run_attempt(JobService& jobs, const Claim& claim, const WorkerRul
     const api::Status recorded = jobs.record_worker(claim.lease, *identity);
     if (!recorded) return not_started(recorded.error());
   }
-  Watch watch(jobs, claim, rules, *worker);
+  Watch watch(jobs, claim, rules, *worker, std::move(tail));
   watch.run(bell, stopping);
   const ProcessEnd end = worker->reap();
   const bool finished_anyway = end.exit_code == static_cast<int>(api::ExitCode::ok);

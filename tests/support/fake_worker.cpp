@@ -83,6 +83,7 @@ int succeed(const path& job) {
 int crash(const path& job) {
   progress(job, 0.5);
   std::cerr << "about to crash\n";
+  ::signal(SIGSEGV, SIG_DFL);  // a sanitizer would make an exit code of it
   ::raise(SIGSEGV);
   return 0;
 }
