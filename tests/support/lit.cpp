@@ -1,0 +1,100 @@
+#include "tests/support/lit.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <numeric>
+
+#include "engine/direct/direct_light.h"
+#include "engine/lighting/compose.h"
+
+namespace tests {
+namespace {
+
+/// The value, or the end of the test program with the reason: nothing can be tested without it.
+template <class T>
+T value_or_abort(api::Result<T> result) {
+  if (!result) {
+    std::cerr << result.error().message << '\n';
+    std::abort();
+  }
+  return std::move(*result);
+}
+
+}  // namespace
+
+ReadyScene::ReadyScene(engine::Scene a_scene, engine::Animation an_animation, double patch_edge_m)
+    : scene(std::move(a_scene)),
+      animation(std::move(an_animation)),
+      patches(value_or_abort(engine::mesh_into_patches(scene, patch_edge_m))),
+      static_rays(patches, animation),
+      lit{scene, animation, patches, static_rays} {}
+
+std::vector<engine::PatchId> ReadyScene::patches_of_polygon(std::uint32_t polygon) const {
+  std::vector<engine::PatchId> found;
+  for (engine::PatchId p = 0; p < patches.count(); ++p)
+    if (patches.facets[patches.facet_of[p]].polygon == polygon) found.push_back(p);
+  return found;
+}
+
+std::vector<engine::PatchId> ReadyScene::patches_of_material(const std::string& name) const {
+  std::vector<engine::PatchId> found;
+  for (engine::PatchId p = 0; p < patches.count(); ++p)
+    if (scene.materials[patches.facets[patches.facet_of[p]].material].name == name) found.push_back(p);
+  return found;
+}
+
+bool ReadyScene::moves(engine::PatchId patch) const {
+  return !animation.objects[patches.facets[patches.facet_of[patch]].object].is_static(animation.frame_count);
+}
+
+Example load_example(const std::string& folder, const std::string& json) {
+  const std::filesystem::path path = std::filesystem::path(KEYLUME_SOURCE_DIR) / "api/examples" / folder;
+  std::ifstream file(path / json, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  Example example;
+  example.request = value_or_abort(api::parse_job_request(bytes));
+  example.scene = value_or_abort(engine::load_scene(path, example.request.scene, {}, engine::refuse_texture));
+  example.animation = engine::animate(example.scene, example.request);
+  return example;
+}
+
+std::vector<engine::FrameIndex> every_frame(const engine::Animation& animation) {
+  std::vector<engine::FrameIndex> frames(animation.frame_count);
+  std::iota(frames.begin(), frames.end(), 0u);
+  return frames;
+}
+
+LitFrames light_frames(const ReadyScene& ready, const std::vector<engine::FrameIndex>& frames,
+                       const api::LightingOptions& options) {
+  LitFrames lit;
+  const bool apart = options.direct == api::DirectLight::apart;
+  if (apart)
+    lit.direct = value_or_abort(engine::direct_light(ready.patches, ready.animation, ready.static_rays,
+                                                     frames, {options.samples_per_light, options.seed}, {}));
+  const engine::PatchSeries* direct = apart ? &lit.direct : nullptr;
+  auto indirect = value_or_abort(
+      engine::indirect_light(ready.lit, frames, direct, {options.line_count, options.seed}, {}));
+  lit.radiosity = engine::compose_radiosity(ready.lit, frames, direct, indirect.irradiance_w_m2);
+  lit.indirect = std::move(indirect.irradiance_w_m2);
+  lit.counts = indirect.counts;
+  return lit;
+}
+
+engine::Rgb mean_over(const ReadyScene& ready, const engine::PatchSeries& series,
+                      const std::vector<engine::PatchId>& patches, std::uint32_t position) {
+  double r = 0, g = 0, b = 0, area = 0;
+  for (const engine::PatchId patch : patches) {
+    const double a = ready.patches.area_m2[patch];
+    const engine::Rgb value = series.at(patch, position);
+    r += a * value.r, g += a * value.g, b += a * value.b;
+    area += a;
+  }
+  return {static_cast<float>(r / area), static_cast<float>(g / area), static_cast<float>(b / area)};
+}
+
+}  // namespace tests

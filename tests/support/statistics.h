@@ -1,0 +1,29 @@
+// Is a mean over independent seeds what theory says it is?
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace tests {
+
+/// Values of one quantity from independent seeds.
+struct Sample {
+  std::vector<double> values;
+
+  void add(double value) { values.push_back(value); }
+  double mean() const;
+  double standard_error() const;  ///< of the mean; two values or more
+};
+
+/// P(|T| > t) of Student's t distribution with `degrees` >= 1 degrees of freedom.
+double two_sided_p(double t, double degrees);
+
+/// Two-sided t-test of `sample` against `exact`. A correct solver is refused with probability `false_alarm`:
+/// the rate of a whole test divided by its number of comparisons (Bonferroni).
+/// `systematic`: what a correct solver may be off by for a known reason that is not chance (an iteration that
+/// stops, digits of the value compared with).
+testing::AssertionResult agrees(const Sample& sample, double exact, double false_alarm,
+                                double systematic = 0);
+
+}  // namespace tests
