@@ -2,9 +2,12 @@
 """What keeps a server from starting, and how it ends."""
 import subprocess
 import unittest
+from pathlib import Path
 
 from service import Service, ServiceTestCase, wait_until
 from small_jobs import write_job
+
+ROOT = Path(__file__).resolve().parent.parent.parent
 
 
 class Start(ServiceTestCase):
@@ -24,6 +27,14 @@ class Start(ServiceTestCase):
         second = Service(self.folder / "other")
         second.port = first.port
         self.assertIn(str(first.port), self.refusal(second.command()))
+
+    def test_the_start_script_names_a_taken_port_before_it_builds(self):
+        first = self.service()
+        run = subprocess.run([ROOT / "server/run", "--no-install", "--port", str(first.port)], capture_output=True,
+                             text=True, timeout=10, stdin=subprocess.DEVNULL)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn(f"port {first.port} of 127.0.0.1 is taken", run.stderr)
+        self.assertEqual(run.stdout, "", "nothing was begun")
 
     def test_sigterm_ends_it_with_0_and_its_worker_too(self):
         service = self.service()
