@@ -13,9 +13,25 @@ constexpr std::int64_t kKeyFramesBytesMax = 8 << 20;
 constexpr std::int64_t kReportBytesMax = 1 << 20;
 constexpr std::size_t kArtefactsMax = 100'000;
 constexpr std::size_t kPathBytesMax = 512;
+constexpr std::size_t kMediaTypeBytesMax = 100;
 constexpr std::uint64_t kFileBytesMax = std::uint64_t{1} << 50;
 constexpr std::size_t kSha256Digits = 64;
 constexpr std::string_view kManifest = "manifest.json";
+
+/// One entry of the list; what is wrong with it goes to the findings.
+ArtefactFile read_entry(const api::Node& entry) {
+  ArtefactFile file;
+  if (!api::is_object_of(entry, {"path", "media_type", "bytes", "sha256"})) return file;
+  if (const auto path = api::required(entry, "path"))
+    file.path = api::text(*path, kPathBytesMax).value_or("");
+  if (const auto type = api::required(entry, "media_type"))
+    file.media_type = api::text(*type, kMediaTypeBytesMax).value_or("");
+  if (const auto bytes = api::required(entry, "bytes"))
+    file.bytes = static_cast<std::int64_t>(api::whole(*bytes, 0, kFileBytesMax).value_or(0));
+  if (const auto sha256 = api::required(entry, "sha256"))
+    file.sha256 = api::text(*sha256, kSha256Digits).value_or("");
+  return file;
+}
 
 api::Result<std::vector<ArtefactFile>> parse_manifest(std::string_view bytes) {
   api::JsonLimits limits;
@@ -27,21 +43,9 @@ api::Result<std::vector<ArtefactFile>> parse_manifest(std::string_view bytes) {
   std::vector<ArtefactFile> files;
   if (api::is_object_of(root, {"artefacts"})) {
     const auto list = api::required(root, "artefacts");
-    if (list && api::is_array_of(*list, 0, kArtefactsMax)) {
-      for (std::size_t i = 0; i < list->json->size(); ++i) {
-        const api::Node entry = api::element(*list, i);
-        if (!api::is_object_of(entry, {"path", "media_type", "bytes", "sha256"})) continue;
-        const auto path = api::required(entry, "path");
-        const auto media_type = api::required(entry, "media_type");
-        const auto size = api::required(entry, "bytes");
-        const auto sha256 = api::required(entry, "sha256");
-        if (!path || !media_type || !size || !sha256) continue;
-        files.push_back({api::text(*path, kPathBytesMax).value_or(""),
-                         api::text(*media_type, 100).value_or(""),
-                         static_cast<std::int64_t>(api::whole(*size, 0, kFileBytesMax).value_or(0)),
-                         api::text(*sha256, kSha256Digits).value_or("")});
-      }
-    }
+    if (list && api::is_array_of(*list, 0, kArtefactsMax))
+      for (std::size_t i = 0; i < list->json->size(); ++i)
+        files.push_back(read_entry(api::element(*list, i)));
   }
   if (!findings.violations.empty()) return api::refusal(kManifest, std::move(findings.violations));
   return files;
