@@ -50,13 +50,17 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker) {
     tell(error.message);
     return exit_code_of(error.fault);
   };
+  if (command.parent) {
+    if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
+  }
   std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
   std::atomic<const JobFolder*> locked = nullptr;  // the watch must not write into a folder that is not ours
-  const auto watch =
-      Watch::start({.grace = std::chrono::milliseconds(0), .last_words = [&](api::ExitCode code) {
-                      if (const JobFolder* mine = locked)
-                        write_last_words(*mine, code, command, seconds_since(start));
-                    }});
+  const auto watch = Watch::start({.end_with_stdin = command.parent.has_value(),
+                                   .grace = std::chrono::milliseconds(0),
+                                   .last_words = [&](api::ExitCode code) {
+                                     if (const JobFolder* mine = locked)
+                                       write_last_words(*mine, code, command, seconds_since(start));
+                                   }});
   if (!watch) return give_up(watch.error());
   const api::Status limited = limit_myself({.memory_bytes = command.memory_mb << 20,
                                             .processor_seconds = command.seconds,

@@ -99,6 +99,8 @@ api::Result<Command> parse_check(std::span<const std::string_view> words) {
     if (word.name == "--memory-mb")
       return take_number(word, kCheckMemoryMbMin, kCheckMemoryMbMax, command.memory_mb);
     if (word.name == "--seconds") return take_number(word, 1, kCheckSecondsMax, command.seconds);
+    if (word.name == "--parent")
+      return take_number(word, 1, std::numeric_limits<pid_t>::max(), command.parent);
     return usage_error("unknown option " + std::string(word.name));
   });
   if (!folder) return folder.error();
@@ -122,7 +124,7 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
 
 std::string usage_line() {
   return "usage: keylume render JOB_FOLDER [--threads N] [--parent PID]\n"
-         "       keylume check JOB_FOLDER [--memory-mb N] [--seconds N]\n"
+         "       keylume check JOB_FOLDER [--memory-mb N] [--seconds N] [--parent PID]\n"
          "       keylume --help | --version\n";
 }
 
@@ -137,6 +139,7 @@ render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what 
 check    Reads the job and cuts its scene into patches, nothing more; writes report.json.
   --memory-mb N   at most N MiB of memory for the job (2048)
   --seconds N     at most N seconds of processor time (60)
+  --parent PID    as for render
 
 Exit status
    0   render: every artefact is published; check: the job is sound

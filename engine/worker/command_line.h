@@ -28,8 +28,9 @@ struct RenderCommand {
 
 struct CheckCommand {
   std::filesystem::path job_folder = {};
-  std::uint64_t memory_mb = 2048;  ///< [MiB] for the job; kCheckMemoryMbMin .. kCheckMemoryMbMax
-  std::uint64_t seconds = 60;      ///< [s] of processor time, over all threads; 1 .. kCheckSecondsMax
+  std::uint64_t memory_mb = 2048;    ///< [MiB] for the job; kCheckMemoryMbMin .. kCheckMemoryMbMax
+  std::uint64_t seconds = 60;        ///< [s] of processor time, over all threads; 1 .. kCheckSecondsMax
+  std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
 };
 
 struct HelpCommand {};

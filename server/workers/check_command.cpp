@@ -1,5 +1,7 @@
 #include "server/workers/check_command.h"
 
+#include <unistd.h>
+
 #include <poll.h>
 #include <signal.h>
 
@@ -72,7 +74,7 @@ api::Status verdict(const std::filesystem::path& folder, const ProcessEnd& end, 
 api::Status run_check(const CheckRules& rules, const std::filesystem::path& folder) {
   auto worker = ChildProcess::start(
       rules.program, {"check", folder.string(), "--memory-mb", std::to_string(rules.memory_mb), "--seconds",
-                      std::to_string(rules.processor_seconds)});
+                      std::to_string(rules.processor_seconds), "--parent", std::to_string(getpid())});
   if (!worker) return worker.error();
   WorkerLog log(folder, "check");
   const bool in_time = wait_for(*worker, log, rules.time_max);
