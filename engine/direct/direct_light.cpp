@@ -75,12 +75,15 @@ class WindowLighter {
     for (const PlacedRange& range : placed_ranges(animation_.objects[facet.object], frames_)) {
       Receiver receiver{place(facet, *range.pose), cell, patch};
       if (patches_.is_back(patch)) receiver.placed.normal = -receiver.placed.normal;
-      for (const WindowLight& light : lights_)
+      for (const WindowLight& light : lights_) {
+        if (light.facet == patches_.facet_of[patch])
+          continue;  // flat: rounding alone puts it in its own sight
         for (const PlacedLight& pose : light.poses) {
           const std::uint32_t first = std::max(range.first_slot, pose.placed.first_slot);
           const std::uint32_t last = std::min(range.last_slot, pose.placed.last_slot);
           if (first <= last) add_light(receiver, light, pose, first, last, row);
         }
+      }
     }
   }
 
