@@ -1,0 +1,115 @@
+#include "engine/direct/light_sampling.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/base/sobol.h"
+#include "tests/unit/engine/scenes.h"
+
+namespace engine {
+namespace {
+
+/// A light of one polygon that faces down.
+PlacedLight light_of(std::initializer_list<Vec3> corners, const Pose& pose = {}) {
+  Scene scene = tests::scene_with(1, 1);
+  tests::add_polygon(scene, corners);
+  const auto patches = mesh_into_patches(scene, 100);
+  const Facet& facet = patches->facets.at(0);
+  return place_light(facet, place(facet, pose));
+}
+
+PlacedLight square_light(float half, float z) {
+  return light_of({{-half, half, z}, {half, half, z}, {half, -half, z}, {-half, -half, z}});
+}
+
+TEST(PlaceLight, HasTheCornersOfItsFacetInOrder) {
+  const PlacedLight square = light_of({{0, 0, 0}, {0, 2, 0}, {1, 2, 0}, {1, 0, 0}}, tests::moved_to(0, 0, 3));
+  ASSERT_EQ(square.polygon().size(), 4u);
+  EXPECT_EQ(square.polygon()[2], (Vec3{1, 2, 3}));
+  EXPECT_FLOAT_EQ(square.diameter_m, std::sqrt(5.0f));
+  const PlacedLight triangle = light_of({{0, 0, 0}, {0, 3, 0}, {4, 0, 0}});
+  ASSERT_EQ(triangle.polygon().size(), 3u);
+  EXPECT_FLOAT_EQ(triangle.diameter_m, 5);
+}
+
+TEST(FindLights, AreTheFacetsWhoseMaterialEmitsInSomeFrame) {
+  Scene scene = tests::scene_with(1, 3);
+  for (std::uint32_t m = 0; m < 3; ++m) tests::add_polygon(scene, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 0, m);
+  Animation animation = tests::still(scene, 3);
+  animation.exitance_w_m2[1] = {{}, {}, {0, 0, 0.1f}};
+  animation.exitance_w_m2[2] = {{}, {}, {}};
+  const auto patches = mesh_into_patches(scene, 1);
+  const auto lights = find_lights(*patches, animation);
+  ASSERT_EQ(lights.size(), 1u);
+  EXPECT_EQ(lights[0].facet, 1u);
+}
+
+// Near and far, square and triangle: a point is origin + u edge_u + v edge_v with (u, v) on the facet.
+TEST(SampleLight, PointsLieOnTheLight) {
+  for (const PlacedLight& light : {square_light(0.5f, 2), light_of({{0, 0, 2}, {0, 1, 2}, {1, 0, 2}})})
+    for (const float distance : {0.1f, 1.0f, 100.0f}) {
+      const Vec3 point{0.2f, 0.1f, 2 - distance};
+      Vec3 low{9, 9, 9}, high{-9, -9, -9};
+      for (std::uint32_t k = 0; k < 2'000; ++k) {
+        const auto [a, b, c, d] = owen_sobol(k, 3);
+        const Vec3 off = sample_light(light, point, {0, 0, 1}, a, b, c) - light.placed.origin;
+        const Vec3 u = light.placed.edge_u, v = light.placed.edge_v;
+        const float along_u = dot(off, u) / dot(u, u),
+                    along_v = dot(off, v) / dot(v, v);  // u, v perpendicular
+        ASSERT_NEAR(length(off - along_u * u - along_v * v), 0, 1e-5);
+        ASSERT_GE(along_u, -1e-6f);
+        ASSERT_GE(along_v, -1e-6f);
+        ASSERT_LE(light.is_triangle ? along_u + along_v : std::max(along_u, along_v), 1 + 1e-6f);
+        low = min(low, {along_u, along_v, 0});
+        high = max(high, {along_u, along_v, 0});
+      }
+      if (distance < 1) continue;  // so near, its far end hardly matters
+      EXPECT_LT(low.x, 0.05f);     // all of it is reached
+      EXPECT_LT(low.y, 0.05f);
+      EXPECT_GT(high.x, 0.9f);
+      EXPECT_GT(high.y, 0.9f);
+    }
+}
+
+TEST(SampleLight, IsAFunctionOfItsNumbers) {
+  const PlacedLight light = square_light(0.5f, 2);
+  EXPECT_EQ(sample_light(light, {0, 0, 1}, {0, 0, 1}, 0.3f, 0.6f, 0.9f),
+            sample_light(light, {0, 0, 1}, {0, 0, 1}, 0.3f, 0.6f, 0.9f));
+}
+
+// Far away: uniform by area. 2^14 Sobol points fill 8 x 8 boxes evenly: 256 each.
+TEST(SampleLight, FarLightsAreSampledUniformly) {
+  const PlacedLight light = square_light(0.5f, 50);
+  std::vector<int> counts(64, 0);
+  for (std::uint32_t k = 0; k < (1u << 14); ++k) {
+    const auto [a, b, c, d] = owen_sobol(k, 3);
+    const Vec3 at = sample_light(light, {0, 0, 0}, {0, 0, 1}, a, b, c);
+    const auto bin = [](float x) { return std::min(static_cast<int>((x + 0.5f) * 8), 7); };
+    ++counts[bin(at.x) * 8 + bin(at.y)];
+  }
+  for (const int count : counts) EXPECT_NEAR(count, 256, 4);  // rounding moves points over borders
+}
+
+// A strip of 4 m, 0.3 m above one of its ends: what a metre of it gets is its share of cos cos / r^2, here
+// 1 / r^4, but for a few per cent.
+TEST(SampleLight, NearLightsAreSampledWhereTheyContribute) {
+  const PlacedLight light = light_of({{0, 0.1f, 0.3f}, {4, 0.1f, 0.3f}, {4, -0.1f, 0.3f}, {0, -0.1f, 0.3f}});
+  constexpr int kParts = 4, kPoints = 1 << 14, kSteps = 40'000;
+  double share[kParts] = {}, total = 0, drawn[kParts] = {};
+  for (int step = 0; step < kSteps; ++step) {
+    const double x = kParts * (step + 0.5) / kSteps, contribution = std::pow(x * x + 0.09, -2);
+    share[static_cast<int>(x)] += contribution;
+    total += contribution;
+  }
+  for (std::uint32_t k = 0; k < kPoints; ++k) {
+    const auto [a, b, c, d] = owen_sobol(k, 3);
+    const Vec3 at = sample_light(light, {0, 0, 0}, {0, 0, 1}, a, b, c);
+    drawn[std::min(static_cast<int>(at.x), kParts - 1)] += 1.0 / kPoints;
+  }
+  for (int part = 0; part < kParts; ++part) EXPECT_NEAR(drawn[part], share[part] / total, 0.03) << part;
+  for (int part = 1; part < kParts; ++part) EXPECT_LT(drawn[part], drawn[part - 1]) << part;
+}
+
+}  // namespace
+}  // namespace engine

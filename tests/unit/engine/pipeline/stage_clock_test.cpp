@@ -1,0 +1,121 @@
+#include "engine/pipeline/stage_clock.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "engine/base/parallel.h"
+
+namespace engine {
+namespace {
+
+using api::Stage;
+
+constexpr std::array kAll{Stage::scene, Stage::patches,     Stage::estimate, Stage::keyframes, Stage::direct,
+                          Stage::solve, Stage::interpolate, Stage::images,   Stage::publish};
+
+/// What a run is told about.
+struct Listener {
+  std::vector<api::ProgressLine> lines;
+  api::JobReport report;
+  RunHooks hooks;
+  std::optional<StageClock> clock;
+
+  Listener() {
+    hooks.progress = [this](const api::ProgressLine& line) { lines.push_back(line); };
+    clock.emplace(hooks, report);
+  }
+  void expect_never_fell() const {
+    for (std::size_t k = 1; k < lines.size(); ++k) {
+      ASSERT_GE(lines[k].fraction, lines[k - 1].fraction) << k;
+      if (lines[k].stage != lines[k - 1].stage) continue;
+      ASSERT_GE(lines[k].stage_fraction, lines[k - 1].stage_fraction) << k;
+    }
+  }
+};
+
+TEST(StageClock, AllStagesTogetherAreTheWholeJob) {
+  Listener run;
+  for (const Stage stage : kAll) {
+    const Progress& progress = run.clock->begin(stage);
+    for (const double fraction : {0.0, 0.25, 0.5, 1.0}) progress.report(fraction);
+  }
+  run.expect_never_fell();
+  EXPECT_EQ(run.lines.front().fraction, 0);
+  EXPECT_NEAR(run.lines.back().fraction, 1, 1e-9);
+  EXPECT_LE(run.lines.back().fraction, 1 + 1e-9);
+}
+
+TEST(StageClock, FractionsNeverFallNorLeaveTheirRange) {
+  Listener run;
+  const Progress& progress = run.clock->begin(Stage::solve);
+  for (const double fraction : {0.5, 0.2, -1.0, 0.7, 0.1, 2.0, 0.3}) progress.report(fraction);
+  run.expect_never_fell();
+  EXPECT_EQ(run.lines.back().stage_fraction, 1);
+  EXPECT_LE(run.lines.back().fraction, 1);
+}
+
+TEST(StageClock, BeginningAStageTellsItAndStartsAtZero) {
+  Listener run;
+  run.clock->begin(Stage::scene).report(1.0);
+  run.clock->begin(Stage::direct);
+  EXPECT_EQ(run.lines.back().stage, Stage::direct);
+  EXPECT_EQ(run.lines.back().stage_fraction, 0);
+  EXPECT_GT(run.lines.back().fraction, run.lines.front().fraction);
+}
+
+TEST(StageClock, StagesThatAreLeftOutCountAsDone) {
+  Listener with, without;
+  for (const Stage stage : kAll) with.clock->begin(stage).report(1.0);
+  without.clock->begin(Stage::scene);
+  without.clock->begin(Stage::publish).report(1.0);
+  EXPECT_EQ(with.lines.back().fraction, without.lines.back().fraction);
+}
+
+TEST(StageClock, SecondsOfEachStageAreReportedInOrder) {
+  Listener run;
+  run.clock->begin(Stage::scene);
+  run.clock->begin(Stage::solve);
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  ASSERT_EQ(run.report.stage_seconds.size(), 1u);
+  run.clock.reset();  // the end of a run ends its last stage
+  ASSERT_EQ(run.report.stage_seconds.size(), 2u);
+  EXPECT_EQ(run.report.stage_seconds[0].first, Stage::scene);
+  EXPECT_EQ(run.report.stage_seconds[1].first, Stage::solve);
+  EXPECT_GE(run.report.stage_seconds[0].second, 0);
+  EXPECT_LT(run.report.stage_seconds[0].second, run.report.stage_seconds[1].second);
+  EXPECT_GE(run.report.stage_seconds[1].second, 0.03);
+}
+
+TEST(StageClock, WithoutAStageNothingIsReported) {
+  Listener run;
+  run.clock.reset();
+  EXPECT_TRUE(run.report.stage_seconds.empty());
+  EXPECT_TRUE(run.lines.empty());
+}
+
+TEST(StageClock, StopIsThatOfTheRun) {
+  Listener run;
+  bool stop = false;
+  run.hooks.stop_requested = [&] { return stop; };
+  const Progress& progress = run.clock->begin(Stage::solve);
+  EXPECT_FALSE(progress.stop_requested());
+  stop = true;
+  EXPECT_TRUE(progress.stop_requested());
+}
+
+// The listener is no container for threads: that it is called one at a time is what is tested.
+TEST(StageClock, ReportsFromManyThreadsComeOneByOneAndInOrder) {
+  Listener run;
+  const Progress& progress = run.clock->begin(Stage::solve);
+  parallel_for(20'000, [&](std::size_t k) { progress.report(static_cast<double>(k % 1'000) / 1'000); });
+  EXPECT_EQ(run.lines.size(), 20'001u);
+  run.expect_never_fell();
+}
+
+}  // namespace
+}  // namespace engine
