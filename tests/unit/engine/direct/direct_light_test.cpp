@@ -141,6 +141,21 @@ TEST(DirectLight, AMovingBlockerDarkensItsFramesAndLeavesTheOthersBitForBit) {
   }
 }
 
+// The same rays, so the same light but for the rounding of a difference of sums.
+TEST(DirectLight, AMovingBlockerTakesAwayWhatItWouldAtRest) {
+  for (const float low : {-0.1f, 0.1f}) {
+    Scene scene = floor_and_light();
+    add_blocker(scene, low);
+    const Rgb at_rest = light_up(World(scene, lit_from_above(scene, 3), 10), {1}).at(kFloor, 0);
+    Animation animation = lit_from_above(scene, 3);
+    animation.objects[1].spans = {{1, 1, {}}};
+    const PatchSeries lit = light_up(World(scene, animation, 10), {0, 1, 2});
+    EXPECT_GT(at_rest.r, 0);
+    EXPECT_LT(at_rest.r, 0.9f * lit.at(kFloor, 0).r);
+    EXPECT_NEAR(lit.at(kFloor, 1).r, at_rest.r, 1e-6 * lit.at(kFloor, 0).r) << low;
+  }
+}
+
 TEST(DirectLight, TwoMovingBlockersThatCoverOneAnotherTakeTheirLightOnce) {
   Scene scene = floor_and_light();
   add_blocker(scene, 0);
