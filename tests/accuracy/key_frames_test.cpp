@@ -41,7 +41,7 @@ testing::AssertionResult within(std::size_t count, std::size_t low, std::size_t 
 
 // The ranges are those of another implementation over five seeds (71-72 and 38-43; 65-67 and 38 with a lamp
 // off), 3 more on either side: two converged estimates differ in where their rays fall, and one key that
-// moves by a frame moves those after it. Over eight seeds ours gave 71-74 and 41; 66-68 and 38-39. The paper
+// moves by a frame moves those after it. Over four seeds ours gave 72-73 and 40; 66-68 and 38. The paper
 // itself, whose lamps' power is not known, has 75 and 39, and 61 with a lamp off.
 
 TEST(Table1, FindsTheKeyFramesOfTheGarage) {
