@@ -5,27 +5,33 @@
 
 namespace engine {
 
-std::vector<api::FrameIndex> fewest_key_frames(InterpolationError& error, double tolerance,
-                                               const std::vector<api::FrameIndex>& forced) {
+api::Result<std::vector<api::FrameIndex>> fewest_key_frames(InterpolationError& error, double tolerance,
+                                                            const std::vector<api::FrameIndex>& forced,
+                                                            const Progress& progress) {
   const api::FrameIndex last = error.frame_count() - 1;
-  if (last == 0) return {0};
+  if (last == 0) return std::vector<api::FrameIndex>{0};
   const auto skips_forced = [&](api::FrameIndex a, api::FrameIndex b) {
     const auto next = std::upper_bound(forced.begin(), forced.end(), a);
     return next != forced.end() && *next < b;
   };
-  if (!skips_forced(0, last) && error.within(0, last, tolerance)) return {0, last};
+  if (!skips_forced(0, last) && error.within(0, last, tolerance))
+    return std::vector<api::FrameIndex>{0, last};
 
   constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> intervals(last + 1, kUnreached);  // fewest intervals that end at a frame
   std::vector<api::FrameIndex> from(last + 1, 0);
   intervals[0] = 0;
-  for (api::FrameIndex b = 1; b <= last; ++b)
+  for (api::FrameIndex b = 1; b <= last; ++b) {
+    if (progress.stop_requested())
+      return api::Error{api::Fault::stopped, "stopped while choosing key-frames"};
+    progress.report(static_cast<double>(b) / last);
     for (api::FrameIndex a = b > kIntervalMax ? b - kIntervalMax : 0; a < b; ++a) {
       if (intervals[a] + 1 >= intervals[b] || skips_forced(a, b)) continue;
       if (!error.within(a, b, tolerance)) continue;
       intervals[b] = intervals[a] + 1;
       from[b] = a;
     }
+  }
   std::vector<api::FrameIndex> keys{last};
   while (keys.back() != 0) keys.push_back(from[keys.back()]);
   std::reverse(keys.begin(), keys.end());

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "api/result.h"
+#include "engine/base/progress.h"
 #include "engine/keyframes/interpolation_error.h"
 
 namespace engine {
@@ -15,7 +17,9 @@ inline constexpr std::uint32_t kIntervalMax = 128;
 /// equally few the one with the earliest keys at the end is taken. A sequence that the first and the last
 /// frame alone interpolate needs just these.
 /// `forced`: frames that are keys in any case (increasing).
-std::vector<api::FrameIndex> fewest_key_frames(InterpolationError& error, double tolerance,
-                                               const std::vector<api::FrameIndex>& forced);
+/// Error: stopped.
+api::Result<std::vector<api::FrameIndex>> fewest_key_frames(InterpolationError& error, double tolerance,
+                                                            const std::vector<api::FrameIndex>& forced,
+                                                            const Progress& progress);
 
 }  // namespace engine

@@ -77,14 +77,17 @@ KeyFrames all_frames(const api::LightingOptions& options, std::uint32_t frame_co
   return chosen;
 }
 
-KeyFrames select_key_frames(const Scene& scene, const Animation& animation, const StaticRays& static_rays,
-                            const Estimate& estimate, const api::LightingOptions& options) {
+api::Result<KeyFrames> select_key_frames(const Scene& scene, const Animation& animation,
+                                         const StaticRays& static_rays, const Estimate& estimate,
+                                         const api::LightingOptions& options, const Progress& progress) {
   KeyFrames chosen;
   chosen.report.mode = options.mode;
   if (options.mode == api::LightingMode::standard) {
     const LitScene lit{scene, animation, estimate.patches, static_rays};
     InterpolationError error(lit, estimate.radiosity_w_m2, estimate.indirect_w_m2, estimate.noise_w_m2);
-    chosen.keys = fewest_key_frames(error, options.tolerance, frames_at_jumps(animation));
+    auto keys = fewest_key_frames(error, options.tolerance, frames_at_jumps(animation), progress);
+    if (!keys) return keys.error();
+    chosen.keys = std::move(*keys);
     chosen.checks = middles(chosen.keys);
     merge_solved(chosen);
     describe(&error, animation.frame_count, chosen);

@@ -21,8 +21,10 @@ KeyFrames all_frames(const api::LightingOptions& options, std::uint32_t frame_co
 /// The other modes, on the estimate: Table 1 on the power of total radiosity, or the fewest keys whose
 /// interpolation of the indirect light (of all of it where lines carry everything) stays within the
 /// tolerance. Frames at which an object appears or disappears are forced in pairs.
-KeyFrames select_key_frames(const Scene& scene, const Animation& animation, const StaticRays& static_rays,
-                            const Estimate& estimate, const api::LightingOptions& options);
+/// Error: stopped.
+api::Result<KeyFrames> select_key_frames(const Scene& scene, const Animation& animation,
+                                         const StaticRays& static_rays, const Estimate& estimate,
+                                         const api::LightingOptions& options, const Progress& progress);
 
 /// Fills in what the solution says of each interval with a check frame: the error of having left it out.
 /// radiosity, interpolated: of the solved frames, [patch][position in key_frames.solved].

@@ -3,16 +3,11 @@
 
 #include <vector>
 
+#include "engine/lighting/empty_rows.h"
 #include "engine/lighting/radiosity.h"
 #include "engine/lines/trace_lines.h"
 
 namespace engine {
-
-/// A patch that is there in a slot, and that no line met.
-struct EmptyRow {
-  PatchId patch = 0;
-  std::uint32_t slot = 0;
-};
 
 /// T of H = T B, sampled by global lines and divided by actual crossings:
 ///
@@ -31,15 +26,14 @@ class SampledOperator {
   bool apply(const PatchSeries& radiosity, PatchSeries& irradiance, const Progress& progress) const;
 
   /// Rows that no line met; apply() gives them the mean of their polygon (else of their object, else 0).
-  const std::vector<EmptyRow>& empty_rows() const { return empty_rows_; }
+  const std::vector<EmptyRow>& empty_rows() const { return empty_rows_.rows(); }
 
  private:
   void gather_row(PatchId patch, const PatchSeries& radiosity, Rgb* out) const;
-  void fill_empty_rows(PatchSeries& irradiance) const;
 
   const Patches& patches_;
   const TracedLines& lines_;
-  std::vector<EmptyRow> empty_rows_;
+  const EmptyRows empty_rows_;
 };
 
 }  // namespace engine

@@ -22,14 +22,15 @@ PatchSeries source_of(const LitScene& lit, std::span<const FrameIndex> frames, c
 }
 
 void add_counts(SolveCounts& to, const TracedLines& lines, const Solution& solution) {
-  to.tracing.lines += lines.counts.lines;
-  to.tracing.static_hits += lines.counts.static_hits;
+  to.tracing.lines = lines.counts.lines;
+  to.tracing.static_hits = lines.counts.static_hits;
   to.tracing.moving_hits += lines.counts.moving_hits;
-  to.tracing.touched_lines += lines.counts.touched_lines;
-  to.exchanges += lines.static_rows.entry_count();
+  to.tracing.touched_lines = std::max(to.tracing.touched_lines, lines.counts.touched_lines);
+  to.exchanges = lines.static_rows.entry_count();
   to.moving_exchanges += lines.moving_rows.entry_count();
   to.empty_rows += solution.empty_rows;
   to.iterations = std::max(to.iterations, solution.iterations);
+  to.converged = to.converged && solution.converged;
 }
 
 }  // namespace

@@ -29,12 +29,15 @@ std::vector<Rgb> reflectance_of_patches(const Scene& scene, const Patches& patch
 /// Exitance of a patch in a frame  [W/m^2]: of fronts only.
 Rgb exitance_of_patch(const LitScene& lit, PatchId patch, FrameIndex frame);
 
+/// Over all windows; what is static is the same in each and counted once.
+/// Over all windows; what is static is the same in each and counted once.
 struct SolveCounts {
-  TracingCounts tracing;
+  TracingCounts tracing;               ///< touched_lines: of the window that has most
   std::uint64_t exchanges = 0;         ///< of the static scene
   std::uint64_t moving_exchanges = 0;  ///< that moving objects add or cut
-  std::uint64_t empty_rows = 0;
-  std::uint32_t iterations = 0;  ///< of the window that took most
+  std::uint64_t empty_rows = 0;        ///< patches and frames
+  std::uint32_t iterations = 0;        ///< of the window that took most
+  bool converged = true;               ///< in every window, see solve_lighting
 };
 
 struct IndirectLight {

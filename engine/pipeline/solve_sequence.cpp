@@ -25,8 +25,8 @@ api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const api::Lightin
   const auto estimate = estimate_lighting(lit.scene, lit.animation, lit.static_rays, options,
                                           clock.begin(api::Stage::estimate));
   if (!estimate) return estimate.error();
-  clock.begin(api::Stage::keyframes);
-  return select_key_frames(lit.scene, lit.animation, lit.static_rays, *estimate, options);
+  return select_key_frames(lit.scene, lit.animation, lit.static_rays, *estimate, options,
+                           clock.begin(api::Stage::keyframes));
 }
 
 /// The columns of `series` (one per frame of `have`) that belong to `wanted`, a part of `have`.
@@ -57,8 +57,34 @@ void add_counts(const KeyFrames& chosen, const SolveCounts& counts, api::JobRepo
   add("iterations", counts.iterations);
 }
 
+/// Share of rows without crossings beyond which a report warns.
+constexpr double kEmptyShareMax = 0.01;
+
 bool is_paper(api::LightingMode mode) {
   return mode == api::LightingMode::paper || mode == api::LightingMode::paper_literal;
+}
+
+/// The error of each interval at its check frame.
+void observe(const LitScene& lit, const PatchSeries* direct, const PatchSeries& irradiance,
+             KeyFrames& chosen) {
+  const PatchSeries solved = compose_radiosity(lit, chosen.solved, direct, irradiance);
+  PatchSeries reflected = irradiance;
+  reflect(lit, chosen.solved, reflected);
+  observe_errors(lit, solved, reflected, chosen);
+}
+
+/// What a user should know of a solution that is there but poor.
+void warn(const LitScene& lit, const KeyFrames& chosen, const SolveCounts& counts, api::JobReport& report) {
+  if (!counts.converged)
+    report.warnings.push_back("the light had not died down after " + std::to_string(counts.iterations) +
+                              " bounces: reflectances near 1 make the result too dark");
+  const double rows = static_cast<double>(lit.patches.count()) * static_cast<double>(chosen.solved.size());
+  const double share = static_cast<double>(counts.empty_rows) / rows;
+  if (share > kEmptyShareMax)
+    report.warnings.push_back(
+        std::to_string(static_cast<int>(100 * share)) +
+        " % of the patches were met by no line and took the mean of their polygon or object; "
+        "raise line_count or patch_edge_m");
 }
 
 }  // namespace
@@ -70,10 +96,9 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
 
   // Direct light is cheap, and it is where the eye sees interpolation: it is computed for every frame, except
   // where the paper's own method, which interpolates all light, is asked for.
-  const bool interpolates_all = is_paper(options.mode);
   const bool apart = options.direct == api::DirectLight::apart;
   const Frames all = every_frame(lit.animation);
-  const Frames& lit_frames = interpolates_all ? chosen->solved : all;
+  const Frames& lit_frames = is_paper(options.mode) ? chosen->solved : all;
   PatchSeries direct;
   if (apart) {
     auto lit_directly =
@@ -84,24 +109,29 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   }
 
   const Progress& solving = clock.begin(api::Stage::solve);
-  const PatchSeries direct_solved = apart ? columns(direct, lit_frames, chosen->solved) : PatchSeries{};
+  PatchSeries direct_where_solved;
+  if (apart && lit_frames != chosen->solved)
+    direct_where_solved = columns(direct, lit_frames, chosen->solved);
+  const PatchSeries& direct_solved = direct_where_solved.values.empty() ? direct : direct_where_solved;
   const PatchSeries* first_shot = apart ? &direct_solved : nullptr;
   auto indirect =
       indirect_light(lit, chosen->solved, first_shot, {options.line_count, options.seed}, solving);
   if (!indirect) return indirect.error();
   add_counts(*chosen, indirect->counts, report);
+  warn(lit, *chosen, indirect->counts, report);
 
   clock.begin(api::Stage::interpolate);
-  PatchSeries solved = compose_radiosity(lit, chosen->solved, first_shot, indirect->irradiance_w_m2);
   SolvedSequence sequence;
-  if (interpolates_all) {
+  if (!chosen->checks.empty()) observe(lit, first_shot, indirect->irradiance_w_m2, *chosen);
+  if (chosen->solved == all) {
+    sequence.radiosity_w_m2 = compose_radiosity(lit, all, first_shot, indirect->irradiance_w_m2);
+  } else if (is_paper(options.mode)) {
+    const PatchSeries solved = compose_radiosity(lit, chosen->solved, first_shot, indirect->irradiance_w_m2);
     sequence.radiosity_w_m2 = interpolate_linear(solved, chosen->solved, lit.animation.frame_count);
   } else {
     const PatchSeries arriving =
         interpolate_linear(indirect->irradiance_w_m2, chosen->solved, lit.animation.frame_count);
     sequence.radiosity_w_m2 = compose_radiosity(lit, all, apart ? &direct : nullptr, arriving);
-    reflect(lit, chosen->solved, indirect->irradiance_w_m2);
-    observe_errors(lit, solved, indirect->irradiance_w_m2, *chosen);
   }
   sequence.key_frames = std::move(chosen->report);
   return sequence;

@@ -26,8 +26,8 @@ KeyCounts count_keys(const std::string& json) {
       engine::estimate_lighting(ready.scene, ready.animation, ready.static_rays, options, {});
   const auto keys_at = [&](double epsilon_w) {
     options.epsilon_w = epsilon_w;
-    return engine::select_key_frames(ready.scene, ready.animation, ready.static_rays, *estimate, options)
-        .keys.size();
+    return engine::select_key_frames(ready.scene, ready.animation, ready.static_rays, *estimate, options, {})
+        ->keys.size();
   };
   return {keys_at(0.1), keys_at(0.2)};
 }

@@ -18,7 +18,16 @@ Keys fewest(const PatchSeries& radiosity, double tolerance, const Keys& forced =
             std::vector<float> noise = {}) {
   const Squares world(radiosity.patch_count, radiosity.frame_count);
   InterpolationError error(world.lit(), radiosity, radiosity, std::move(noise));
-  return fewest_key_frames(error, tolerance, forced);
+  return *fewest_key_frames(error, tolerance, forced, Progress{});
+}
+
+TEST(FewestKeyFrames, StopsWhenToldTo) {
+  const auto jumpy = series(1, 40, [](auto, auto f) { return f % 2 == 0 ? 1.0f : 2.0f; });
+  const Squares world(1, 40);
+  InterpolationError error(world.lit(), jumpy, jumpy);
+  const auto keys = fewest_key_frames(error, 0.01, {}, {[](double) {}, [] { return true; }});
+  ASSERT_FALSE(keys);
+  EXPECT_EQ(keys.error().fault, api::Fault::stopped);
 }
 
 TEST(FewestKeyFrames, AStaticSequenceAndARampNeedFirstAndLastOnly) {
@@ -101,7 +110,7 @@ TEST(FewestKeyFrames, NoOtherSetOfFewerKeysKeepsTheToleranceOnRandomSeries) {
     const Squares world(2, kFrames);
     InterpolationError error(world.lit(), wandering, wandering);
     for (const double tolerance : {0.02, 0.1}) {
-      const Keys keys = fewest_key_frames(error, tolerance, {});
+      const Keys keys = *fewest_key_frames(error, tolerance, {}, Progress{});
       for (std::size_t i = 1; i < keys.size(); ++i) ASSERT_LE(error.largest(keys[i - 1], keys[i]), tolerance);
       ASSERT_EQ(keys.size(), fewest_by_force(error, kFrames, tolerance)) << "case " << k;
       different += keys.size() > 2 && keys.size() < kFrames ? 1 : 0;

@@ -27,8 +27,8 @@ Estimate estimate_of(const tests::World& world, const PatchSeries& radiosity, co
 
 KeyFrames select(const tests::World& world, const PatchSeries& radiosity, const PatchSeries& indirect,
                  LightingMode mode = LightingMode::standard) {
-  return select_key_frames(world.scene, world.animation, world.static_rays,
-                           estimate_of(world, radiosity, indirect), options_of(mode));
+  return *select_key_frames(world.scene, world.animation, world.static_rays,
+                            estimate_of(world, radiosity, indirect), options_of(mode), Progress{});
 }
 
 Keys of_kind(const KeyFrames& chosen, FrameKind kind) {
