@@ -137,11 +137,11 @@ TEST(IndirectLight, OfAFurnaceOfPureLinesIsExitanceOverOneMinusReflectanceInEver
       const float expected = is_there(room, patch, frame) ? 4.0f : 0.0f;
       ASSERT_NEAR(radiosity.at(patch, frame).r, expected, 1e-5 * expected) << patch << " " << frame;
     }
-  EXPECT_EQ(indirect->counts.tracing.lines, 2'000u);  // three windows
+  EXPECT_EQ(indirect->counts.tracing.lines, 2'000u);  // the same in each of the three windows
 }
 
-// The same lines for every frame; what is left of the iteration is below 1e-5 rho / (1 - rho) of the mean
-// source in both.
+// The same lines for every frame; what is left of the iteration is below 1e-5 of the mean
+// in both.
 TEST(IndirectLight, AFrameSolvedAloneIsTheFrameOfTheWindow) {
   MovingRoom room(6);
   room.animation.exitance_w_m2.push_back({{9, 9, 9}});
