@@ -66,6 +66,16 @@ api::Status check(const std::filesystem::path& folder, const std::vector<Artefac
   return verify_files(folder, claims);
 }
 
+/// Do the intervals follow each other, each longer than nothing and within the animation?
+bool are_in_order(const std::vector<api::KeyFrameInterval>& intervals, std::uint32_t frame_count) {
+  api::FrameIndex end = 0;
+  for (const api::KeyFrameInterval& interval : intervals) {
+    if (interval.first < end || interval.last <= interval.first || interval.last >= frame_count) return false;
+    end = interval.last;
+  }
+  return true;
+}
+
 api::Result<api::KeyFrameReport> read_key_frames(const std::filesystem::path& folder,
                                                  std::uint32_t frame_count) {
   const auto bytes = read_below(folder, "key_frames.json", kKeyFramesBytesMax);
@@ -79,6 +89,8 @@ api::Result<api::KeyFrameReport> read_key_frames(const std::filesystem::path& fo
     return api::Error{api::Fault::invalid_request, "key_frames.json lists " +
                                                        std::to_string(report->frames.size()) + " frames of " +
                                                        std::to_string(frame_count)};
+  if (!are_in_order(report->intervals, frame_count))
+    return api::Error{api::Fault::invalid_request, "key_frames.json: intervals are not in order"};
   return report;
 }
 

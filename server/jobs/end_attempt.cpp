@@ -60,11 +60,17 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
 api::Status JobService::succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
   const std::filesystem::path folder = folder_.job(job.id);
   const auto results = collect_results(folder, job.frame_count);
-  if (results) return store_.succeed(lease, *results, api::job_report_json(read_report(folder)));
+  api::Status kept = results ? store_.succeed(lease, *results, api::job_report_json(read_report(folder)))
+                             : api::Status(results.error());
+  if (kept) return kept;
+  const Fault fault = kept.error().fault;
+  // Neither says anything about the worker. Whatever else does not go into the store never will: it must end
+  // the attempt like any other lie, or the job would stay `running` for ever.
+  if (results && (fault == Fault::wrong_state || fault == Fault::disk_full)) return kept;
   AttemptOutcome lied = outcome;
   lied.kind = OutcomeKind::lost;
   lied.reason = "bad_artefacts";
-  lied.message = "the worker said it was done, but " + results.error().message;
+  lied.message = "the worker said it was done, but " + kept.error().message;
   return try_again_or_fail(job, lease, lied);
 }
 

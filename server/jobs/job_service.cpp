@@ -104,6 +104,14 @@ api::Result<ArtefactFile> JobService::artefact(const Job& job, std::string_view 
   return store_.artefact(job.seq, path);
 }
 
+api::Result<std::vector<api::FrameRecord>> JobService::frames(const Job& job) {
+  auto frames = store_.frames(job.seq);
+  // `job` was read earlier: by now somebody may have removed it, and its rows with it.
+  if (frames && frames->size() != job.frame_count)
+    return api::Error{Fault::not_found, "the job has no frames any more"};
+  return frames;
+}
+
 api::Status JobService::clean_up() {
   const auto unfinished = store_.jobs_being_removed();
   if (!unfinished) return unfinished.error();

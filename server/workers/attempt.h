@@ -21,6 +21,7 @@ struct WorkerRules {
   std::chrono::milliseconds stop_grace{5'000};     ///< from SIGTERM to SIGKILL
   std::chrono::milliseconds look_every{100};       ///< at the progress file
   std::chrono::milliseconds record_every{500};     ///< at most two writes to the store per second
+  std::chrono::milliseconds retry_every{5'000};    ///< what the store could not take
 };
 
 /// Runs the worker on the claimed job and returns when it is dead, whatever it did. `bell` rings when there

@@ -20,7 +20,10 @@ Supervisor::Supervisor(JobService& jobs, const Doorbell& bell, WorkerRules rules
     : jobs_(jobs), bell_(bell), rules_(std::move(rules)) {}
 
 api::Status Supervisor::start() {
-  if (api::Status taken = take_up_orphans(); !taken) return taken;
+  auto orphans = jobs_.orphans();
+  if (!orphans) return orphans.error();
+  orphans_ = std::move(*orphans);
+  catch_up();
   thread_ = std::thread([this] { run(); });
   return api::Done{};
 }
@@ -31,24 +34,48 @@ void Supervisor::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-api::Status Supervisor::take_up_orphans() {
-  const auto orphans = jobs_.orphans();
-  if (!orphans) return orphans.error();
-  for (const Orphan& orphan : *orphans) {
-    // Dead first, queued after: two workers must never share a job's folder.
-    if (orphan.worker)
-      if (api::Status dead = kill_and_confirm(*orphan.worker); !dead) return dead;
-    if (api::Status taken = jobs_.take_up_again(orphan); !taken) return taken;
-    log_line(orphan.job.id + " was " + std::string(api::name_of(orphan.job.state)) +
-             " when the last server ended; taken up again");
+// The database may be unable to write for a while (full disk). That must neither end the service nor hold up
+// the other jobs; a job whose end is not written stays `running` until then, or until the next start.
+void Supervisor::catch_up() {
+  std::erase_if(orphans_, [this](const Orphan& orphan) { return take_up(orphan); });
+  std::erase_if(unrecorded_, [this](const EndedAttempt& ended) { return record(ended); });
+  catch_up_at_ = SteadyClock::now() + rules_.retry_every;
+}
+
+bool Supervisor::take_up(const Orphan& orphan) {
+  // Dead first, queued after: two workers must never share a job's folder.
+  api::Status taken = orphan.worker ? kill_and_confirm(*orphan.worker) : api::Status(api::Done{});
+  if (taken) taken = jobs_.take_up_again(orphan);
+  if (!taken && taken.error().fault != api::Fault::wrong_state) {
+    complain(orphan.job.id + " cannot be taken up again yet: " + taken.error().message);
+    return false;
   }
-  return api::Done{};
+  log_line(orphan.job.id + " was " + std::string(api::name_of(orphan.job.state)) +
+           " when the last server ended; taken up again");
+  return true;
+}
+
+bool Supervisor::record(const EndedAttempt& ended) {
+  const api::Status recorded = jobs_.end_attempt(ended.lease, ended.outcome);
+  if (!recorded && recorded.error().fault != api::Fault::wrong_state) {
+    complain(ended.id + " cannot record the end of an attempt yet: " + recorded.error().message);
+    return false;
+  }
+  const auto job = jobs_.job(ended.id);
+  if (job) log_line(job->id + " is " + std::string(api::name_of(job->state)) + " " + job->reason);
+  return true;
+}
+
+void Supervisor::complain(const std::string& trouble) {
+  if (trouble != last_complaint_) log_line(trouble);
+  last_complaint_ = trouble;
 }
 
 void Supervisor::run() {
   while (!stopping_) {
+    if (SteadyClock::now() >= catch_up_at_) catch_up();
     const auto claim = jobs_.claim();
-    if (!claim) log_line("cannot take a job: " + claim.error().message);
+    if (!claim) complain("cannot take a job: " + claim.error().message);
     if (claim && *claim)
       run_one(**claim);
     else
@@ -58,18 +85,8 @@ void Supervisor::run() {
 
 void Supervisor::run_one(const Claim& claim) {
   log_line(claim.job.id + " attempt " + std::to_string(claim.job.attempt) + " begins");
-  const AttemptOutcome outcome = run_attempt(jobs_, claim, rules_, bell_, stopping_);
-  // The database may be unable to write for a while (full disk). The job must not stay `running` without a
-  // worker, so this is tried until it is written or we end; then the next start takes the job up.
-  for (;;) {
-    const api::Status ended = jobs_.end_attempt(claim.lease, outcome);
-    if (ended || ended.error().fault == api::Fault::wrong_state) break;
-    log_line(claim.job.id + " cannot record the end of an attempt: " + ended.error().message);
-    if (stopping_) break;
-    rest();
-  }
-  const auto job = jobs_.job(claim.job.id);
-  if (job) log_line(job->id + " is " + std::string(api::name_of(job->state)) + " " + job->reason);
+  EndedAttempt ended{claim.job.id, claim.lease, run_attempt(jobs_, claim, rules_, bell_, stopping_)};
+  if (!record(ended)) unrecorded_.push_back(std::move(ended));
 }
 
 void Supervisor::rest() {

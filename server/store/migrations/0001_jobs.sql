@@ -104,14 +104,20 @@ CREATE TABLE frame(
 CREATE TABLE key_frame_interval(
   job_seq INTEGER NOT NULL REFERENCES job(seq) ON DELETE CASCADE,
   first_frame INTEGER NOT NULL CHECK(first_frame >= 0),
-  last_frame INTEGER NOT NULL CHECK(last_frame >= first_frame),
+  last_frame INTEGER NOT NULL CHECK(last_frame > first_frame),
   predicted_error REAL,
   observed_error REAL,
   PRIMARY KEY(job_seq, first_frame)) STRICT, WITHOUT ROWID;
 
 CREATE TABLE artefact(
   job_seq INTEGER NOT NULL REFERENCES job(seq) ON DELETE CASCADE,
-  path TEXT NOT NULL CHECK(path <> '' AND path NOT GLOB '/*' AND path NOT GLOB '*..*'),
+  path TEXT NOT NULL CHECK(                 -- the same rule as server::is_plain_relative_path
+    length(CAST(path AS BLOB)) BETWEEN 1 AND 512 AND
+    '/' || path || '/' NOT GLOB '*//*' AND
+    '/' || path || '/' NOT GLOB '*/./*' AND
+    '/' || path || '/' NOT GLOB '*/../*' AND
+    path NOT GLOB '*\*' AND
+    path NOT GLOB '*[' || char(1) || '-' || char(31) || char(127) || ']*'),
   media_type TEXT NOT NULL,
   bytes INTEGER NOT NULL CHECK(bytes >= 0),
   sha256 TEXT NOT NULL CHECK(length(sha256) = 64),

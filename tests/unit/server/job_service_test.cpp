@@ -1,3 +1,4 @@
+#include "server/artefacts/verify.h"
 #include "tests/unit/server/service_fixture.h"
 
 namespace server {
@@ -184,6 +185,79 @@ TEST_F(JobServiceTest, ARefusalByTheWorkerFailsAtOnceWithItsViolations) {
   const auto report = api::parse_job_report(failed.report);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->violations.at(0).code, "syntax");
+}
+
+/// What a worker leaves in the job's folder: these files, key-frames with these intervals, the manifest.
+void publish(const std::filesystem::path& job_folder, const std::vector<std::string>& paths,
+             const std::vector<api::KeyFrameInterval>& intervals) {
+  std::string list;
+  for (const std::string& path : paths) {
+    write_text(job_folder / "artefacts" / path, "x");
+    list.append(list.empty() ? "" : ",").append("{\"path\":\"").append(path);
+    list.append("\",\"media_type\":\"image/png\",\"bytes\":1,\"sha256\":\"")
+        .append(sha256_of("x"))
+        .append("\"}");
+  }
+  api::KeyFrameReport report;
+  for (api::FrameIndex frame = 0; frame < 3; ++frame)
+    report.frames.push_back({frame, api::FrameKind::key, 0.0});
+  report.intervals = intervals;
+  write_text(job_folder / "artefacts/key_frames.json", api::key_frame_report_json(report));
+  write_text(job_folder / "artefacts/manifest.json", "{\"artefacts\":[" + list + "]}");
+}
+
+AttemptOutcome done() {
+  return {OutcomeKind::done, "", "", {0, std::nullopt}, ""};
+}
+
+TEST_F(JobServiceTest, ACameraMayHaveTwoDotsInItsName) {
+  const Job submitted = submit();
+  const Claim claimed = claim();
+  publish(jobs_->folder_of(submitted), {"images/a..b/0000.png"}, {{0, 1, 0.1, {}}, {1, 2, 0.1, {}}});
+  ASSERT_TRUE(jobs_->end_attempt(claimed.lease, done()));
+  EXPECT_EQ(job(submitted.id).state, JobState::succeeded) << job(submitted.id).message;
+}
+
+TEST_F(JobServiceTest, IntervalsThatCannotBeAreALieOfTheWorker) {
+  const std::vector<std::vector<api::KeyFrameInterval>> lies{
+      {{0, 1, {}, {}}, {0, 1, {}, {}}},  // one twice
+      {{1, 2, {}, {}}, {0, 1, {}, {}}},  // out of order
+      {{0, 2, {}, {}}, {1, 2, {}, {}}},  // overlapping
+      {{1, 1, {}, {}}},                  // empty
+      {{0, 3, {}, {}}}};                 // beyond the animation
+  for (const auto& intervals : lies) {
+    const Job submitted = submit();
+    const Claim claimed = claim();
+    publish(jobs_->folder_of(submitted), {"radiosity.npy"}, intervals);
+    ASSERT_TRUE(jobs_->end_attempt(claimed.lease, done()));
+    EXPECT_EQ(job(submitted.id).reason, "bad_artefacts");
+    ASSERT_TRUE(jobs_->cancel(submitted.id));
+  }
+}
+
+TEST_F(JobServiceTest, ResultsThatTheStoreRefusesEndTheAttempt) {
+  const Job submitted = submit();
+  const Claim claimed = claim();
+  publish(jobs_->folder_of(submitted), {"radiosity.npy"}, {});
+  auto beside = Database::open(folder_->database());
+  ASSERT_TRUE(beside && beside->execute("CREATE TRIGGER refuse BEFORE INSERT ON artefact BEGIN "
+                                        "SELECT RAISE(ABORT, 'not this one'); END"));
+  ASSERT_TRUE(jobs_->end_attempt(claimed.lease, done()));
+  EXPECT_EQ(job(submitted.id).state, JobState::queued);
+  EXPECT_EQ(job(submitted.id).reason, "bad_artefacts");
+}
+
+TEST_F(JobServiceTest, TheFramesOfAJobRemovedMeanwhileAreNotFound) {
+  const Job submitted = submit();
+  const Claim claimed = claim();
+  publish(jobs_->folder_of(submitted), {"radiosity.npy"}, {});
+  ASSERT_TRUE(jobs_->end_attempt(claimed.lease, done()));
+  const Job read_earlier = job(submitted.id);
+  EXPECT_EQ(jobs_->frames(read_earlier)->size(), 3u);
+  ASSERT_TRUE(jobs_->remove(submitted.id));
+  const auto frames = jobs_->frames(read_earlier);
+  ASSERT_FALSE(frames);
+  EXPECT_EQ(frames.error().fault, Fault::not_found);
 }
 
 TEST_F(JobServiceTest, OnlyAFinishedJobIsRemovedAndWithAllItsFiles) {

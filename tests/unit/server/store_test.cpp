@@ -105,6 +105,43 @@ TEST(ClaimPlan, UsesTheQueuesIndexWithoutSorting) {
   EXPECT_EQ(text.find("TEMP B-TREE"), std::string::npos) << text;
 }
 
+TEST(ArtefactPaths, AreTheSameForTheDatabaseAsForFiles) {
+  const TemporaryFolder folder;
+  auto database = Database::open(folder.path() / "db");
+  ASSERT_TRUE(database && migrate(*database));
+  Statement job = database->prepare(
+      "INSERT INTO job(id, name, state, frame_count, fps, input_bytes, created_ms, updated_ms) "
+      "VALUES (?, '', 'queued', 1, 24, 0, 0, 0)");
+  ASSERT_TRUE(job.bind("job_" + std::string(26, 'A')).run());
+  for (const std::string& path : {std::string("a"),
+                                  std::string("images/a..b/0000.png"),
+                                  std::string("..a/b.."),
+                                  std::string("..."),
+                                  std::string("h\xC3\xA4user/1"),
+                                  std::string(512, 'a'),
+                                  std::string("a*[b]?"),
+                                  std::string(""),
+                                  std::string("/a"),
+                                  std::string("a/"),
+                                  std::string("a//b"),
+                                  std::string("."),
+                                  std::string("./a"),
+                                  std::string("a/."),
+                                  std::string(".."),
+                                  std::string("../a"),
+                                  std::string("a/../b"),
+                                  std::string("a/.."),
+                                  std::string("a\\b"),
+                                  std::string("a\nb"),
+                                  std::string("\x01"),
+                                  std::string("\x1f"),
+                                  std::string("\x7f"),
+                                  std::string(513, 'a')}) {
+    Statement row = database->prepare("INSERT INTO artefact VALUES (1, ?, 'image/png', 0, ?)");
+    EXPECT_EQ(bool(row.bind(path).bind(std::string(64, '0')).run()), is_plain_relative_path(path)) << path;
+  }
+}
+
 using StoreTest = ServiceTest;
 
 TEST_F(StoreTest, ClaimsInOrderOfSubmissionAndOnlyWhatIsQueued) {

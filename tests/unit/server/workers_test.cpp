@@ -142,6 +142,38 @@ TEST_F(WorkersTest, SuccessWithoutFilesOrWithFalseOnesIsNotBelieved) {
   }
 }
 
+TEST_F(WorkersTest, AnEndThatTheStoreCannotTakeHoldsUpNoOtherJob) {
+  worker_rules_.retry_every = 50ms;
+  const Job stuck = submit_that_will("crash\nsucceed");
+  auto beside = Database::open(folder_->database());
+  ASSERT_TRUE(beside &&
+              beside->execute("CREATE TRIGGER refuse BEFORE UPDATE OF state ON job WHEN NEW.seq = 1 "
+                              "AND NEW.state = 'queued' BEGIN SELECT RAISE(ABORT, 'no'); END"));
+  const Job other = submit_that_will("succeed");
+  start();
+  wait_for(other, JobState::succeeded);
+  EXPECT_EQ(job(stuck.id).state, JobState::running);
+  ASSERT_TRUE(beside->execute("DROP TRIGGER refuse"));
+  EXPECT_EQ(wait_for(stuck, JobState::succeeded).attempt, 2u);
+}
+
+TEST_F(WorkersTest, AnOrphanThatCannotBeTakenUpYetHoldsUpNothing) {
+  worker_rules_.retry_every = 50ms;
+  const Job orphan = submit_that_will("succeed");
+  claim();  // and now kill -9
+  restart();
+  auto beside = Database::open(folder_->database());
+  ASSERT_TRUE(beside &&
+              beside->execute("CREATE TRIGGER refuse BEFORE UPDATE OF state ON job WHEN NEW.seq = 1 "
+                              "AND NEW.state = 'queued' BEGIN SELECT RAISE(ABORT, 'no'); END"));
+  const Job other = submit_that_will("succeed");
+  start();
+  wait_for(other, JobState::succeeded);
+  EXPECT_EQ(job(orphan.id).state, JobState::running);
+  ASSERT_TRUE(beside->execute("DROP TRIGGER refuse"));
+  wait_for(orphan, JobState::succeeded);
+}
+
 TEST_F(WorkersTest, AFloodOfNonsenseEndsTheAttempt) {
   const Job done = run_to_end("flood_progress\nsucceed");
   EXPECT_EQ(done.state, JobState::succeeded) << done.message;
