@@ -23,9 +23,13 @@ bool is_parallelogram(std::span<const Vec3> corners) {
   return length(gap) <= 1e-5f * (length(corners[2] - corners[0]) + length(corners[3] - corners[1]));
 }
 
-Facet facet_at(Vec3 origin, Vec3 edge_u, Vec3 edge_v, bool is_triangle, double patch_edge_m) {
+/// `corners`: 3, or the 4 of a parallelogram, in order around it.
+Facet facet_at(std::span<const Vec3> corners, double patch_edge_m) {
+  const bool is_triangle = corners.size() == 3;
+  const Vec3 edge_u = corners[1] - corners[0], edge_v = corners.back() - corners[0];
   Facet facet;
-  facet.origin = origin;
+  std::copy(corners.begin(), corners.end(), facet.corners.begin());
+  facet.origin = corners[0];
   facet.edge_u = edge_u;
   facet.edge_v = edge_v;
   facet.is_triangle = is_triangle;
@@ -62,12 +66,10 @@ bool append(Patches& patches, Facet facet) {
 }
 
 std::vector<Facet> facets_of(std::span<const Vec3> corners, double patch_edge_m) {
-  if (is_parallelogram(corners))
-    return {facet_at(corners[0], corners[1] - corners[0], corners[3] - corners[0], false, patch_edge_m)};
+  if (is_parallelogram(corners)) return {facet_at(corners, patch_edge_m)};
   std::vector<Facet> facets;
   for (const auto& [a, b, c] : clip_ears(corners))
-    facets.push_back(
-        facet_at(corners[a], corners[b] - corners[a], corners[c] - corners[a], true, patch_edge_m));
+    facets.push_back(facet_at(std::array{corners[a], corners[b], corners[c]}, patch_edge_m));
   return facets;
 }
 

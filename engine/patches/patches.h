@@ -1,6 +1,7 @@
 // Surfaces cut into patches: each facet (parallelogram or triangle) carries a regular (u,v) grid of them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -20,6 +21,10 @@ inline constexpr PatchId kNoPatch = 0xffffffffu;
 /// The front is the side from which origin, edge_u, edge_v turn counter-clockwise.
 struct Facet {
   Vec3 origin, edge_u, edge_v;  ///< object space  [m]
+  /// In order around the facet, 3 of them for a triangle, corners[0] == origin; the polygon's vertices bit
+  /// for bit, so that neighbours share them: origin + edge_u is rounded twice and is a neighbour's corner no
+  /// more.
+  std::array<Vec3, 4> corners;  ///< object space  [m]
   Vec3 normal;                  ///< unit, of the front, object space
   float area_m2 = 0;            ///< object space
   bool is_triangle = false;

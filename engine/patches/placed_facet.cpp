@@ -17,6 +17,8 @@ double determinant(const Pose& pose) {
 PlacedFacet place(const Facet& facet, const Pose& pose) {
   PlacedFacet placed;
   placed.origin = transform_point(pose, facet.origin);
+  for (std::size_t c = 0; c < placed.corners.size(); ++c)
+    placed.corners[c] = transform_point(pose, facet.corners[c]);
   placed.edge_u = transform_vector(pose, facet.edge_u);
   placed.edge_v = transform_vector(pose, facet.edge_v);
   const Vec3 area = cross(placed.edge_u, placed.edge_v);

@@ -1,6 +1,7 @@
 // Facets where their object puts them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,7 +14,10 @@ namespace engine {
 /// A facet in world space, in the slots [first_slot, last_slot] of a window of frames.
 struct PlacedFacet {
   Vec3 origin, edge_u, edge_v;  ///< [m]
-  Vec3 normal;                  ///< unit, of the front; a mirroring pose keeps the front a front
+  /// As Facet's, each placed for itself: facets of one object that share a vertex share it here too, bit for
+  /// bit, which keeps rays from slipping between them  [m]
+  std::array<Vec3, 4> corners;
+  Vec3 normal;  ///< unit, of the front; a mirroring pose keeps the front a front
   std::uint32_t facet = 0;
   std::uint32_t first_slot = 0, last_slot = 0;
 };

@@ -1,11 +1,8 @@
 #include "engine/visibility/facet_bvh.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <iostream>
-#include <limits>
-#include <tuple>
 
 namespace engine {
 namespace {
@@ -31,13 +28,9 @@ void store(float* to, Vec3 p) {
   to[2] = p.z;
 }
 
-/// The corners in the order that makes Embree's (u, v) ours: quads split into (0, 1, 3) and (2, 3, 1).
-void store_corners(float* to, const PlacedFacet& item, bool is_triangle) {
-  store(to, item.origin);
-  store(to + 3, item.origin + item.edge_u);
-  if (is_triangle) return store(to + 6, item.origin + item.edge_v);
-  store(to + 6, item.origin + item.edge_u + item.edge_v);
-  store(to + 9, item.origin + item.edge_v);
+/// Their order makes Embree's (u, v) ours: quads are split into (0, 1, 3) and (2, 3, 1).
+void store_corners(float* to, const PlacedFacet& item, unsigned count) {
+  for (unsigned c = 0; c < count; ++c) store(to + 3 * c, item.corners[c]);
 }
 
 struct Collector {
@@ -90,7 +83,7 @@ void FacetBvh::attach(unsigned geometry, std::span<const std::uint32_t> members)
       rtcSetNewGeometryBuffer(made, RTC_BUFFER_TYPE_INDEX, 0, triangles ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4,
                               corners * sizeof(unsigned), members.size()));
   for (std::size_t k = 0; k < members.size(); ++k) {
-    store_corners(points + 3 * corners * k, items_[members[k]], triangles);
+    store_corners(points + 3 * corners * k, items_[members[k]], corners);
     for (unsigned c = 0; c < corners; ++c) indices[corners * k + c] = static_cast<unsigned>(corners * k + c);
   }
   rtcSetGeometryMask(made, ~0u);  // Embree 4 starts with 1
@@ -113,15 +106,12 @@ void FacetBvh::all_hits(const Ray& ray, std::vector<ItemHit>& hits) const {
     arguments->valid[0] = 0;  // go on: every hit is wanted
   };
   embree::occluded(scene_, shot, record, &collector);
-  // Ties are ordered by item, so that the order does not depend on the tree.
   std::sort(hits.begin(), hits.end(), [](const ItemHit& a, const ItemHit& b) {
-    return std::tie(a.item, a.distance) < std::tie(b.item, b.distance);
+    return a.item != b.item ? a.item < b.item : is_before(a, b);
   });
   const auto same_item = [](const ItemHit& a, const ItemHit& b) { return a.item == b.item; };
   hits.erase(std::unique(hits.begin(), hits.end(), same_item), hits.end());
-  std::sort(hits.begin(), hits.end(), [](const ItemHit& a, const ItemHit& b) {
-    return std::tie(a.distance, a.item) < std::tie(b.distance, b.item);
-  });
+  std::sort(hits.begin(), hits.end(), is_before);
 }
 
 bool FacetBvh::any_hit(const Ray& ray) const {

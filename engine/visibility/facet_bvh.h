@@ -1,7 +1,9 @@
 // One Embree scene over placed facets. Internal to engine/visibility.
 #pragma once
 
+#include <limits>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "engine/patches/placed_facet.h"
@@ -16,6 +18,13 @@ struct ItemHit {
   std::uint32_t item = 0;
   float u = 0, v = 0;
 };
+
+/// By distance; ties by item, so that their order does not depend on the tree, and on the diagonal of a quad,
+/// where both its halves are hit, by (u, v).
+inline bool is_before(const ItemHit& a, const ItemHit& b) {
+  if (a.distance != b.distance) return a.distance < b.distance;
+  return std::tie(a.item, a.u, a.v) < std::tie(b.item, b.u, b.v);
+}
 
 class FacetBvh {
  public:
@@ -36,7 +45,8 @@ class FacetBvh {
 
   bool any_hit(const Ray& ray) const;
 
-  /// The nearest item of those that `accept` takes.
+  /// The nearest item of those that `accept` takes; of several at exactly that distance the lowest. Which of
+  /// them Embree meets first depends on its tree, and that on how its threads shared the work of building it.
   template <class Accept>
   bool nearest(const Ray& ray, ItemHit& hit, Accept&& accept) const;
 
@@ -50,7 +60,15 @@ class FacetBvh {
     Accept* accept;
   };
   template <class Accept>
+  struct NearestQuery {
+    const FacetBvh* bvh;
+    Accept* accept;
+    ItemHit best;
+  };
+  template <class Accept>
   static void filter_by(const RTCFilterFunctionNArguments* arguments);
+  template <class Accept>
+  static void filter_nearest(const RTCFilterFunctionNArguments* arguments);
 
   std::uint32_t item_of(unsigned geometry, unsigned primitive) const { return item_of_[geometry][primitive]; }
   void attach(unsigned geometry, std::span<const std::uint32_t> members);
@@ -70,6 +88,21 @@ void FacetBvh::filter_by(const RTCFilterFunctionNArguments* arguments) {
   if (!(*query->accept)(query->bvh->item_of(geometry, primitive))) arguments->valid[0] = 0;
 }
 
+/// Embree calls it for hits up to and including the nearest taken so far: equal ones come here as well.
+template <class Accept>
+void FacetBvh::filter_nearest(const RTCFilterFunctionNArguments* arguments) {
+  auto* query = static_cast<NearestQuery<Accept>*>(embree::user_of(arguments));
+  RTCHitN* hit = arguments->hit;
+  const unsigned n = arguments->N;
+  const ItemHit next{RTCRayN_tfar(arguments->ray, n, 0),
+                     query->bvh->item_of(RTCHitN_geomID(hit, n, 0), RTCHitN_primID(hit, n, 0)),
+                     RTCHitN_u(hit, n, 0), RTCHitN_v(hit, n, 0)};
+  if (is_before(next, query->best) && (*query->accept)(next.item))
+    query->best = next;
+  else
+    arguments->valid[0] = 0;
+}
+
 template <class Accept>
 bool FacetBvh::any_hit(const Ray& ray, Accept&& accept) const {
   using Function = std::remove_reference_t<Accept>;
@@ -82,13 +115,13 @@ bool FacetBvh::any_hit(const Ray& ray, Accept&& accept) const {
 template <class Accept>
 bool FacetBvh::nearest(const Ray& ray, ItemHit& hit, Accept&& accept) const {
   using Function = std::remove_reference_t<Accept>;
-  Query<Function> query{this, &accept};
+  NearestQuery<Function> query{this, &accept, {std::numeric_limits<float>::infinity()}};
   RTCRayHit shot;
   shot.ray = to_embree(ray);
   shot.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  embree::intersect(scene_, shot, &filter_by<Function>, &query);
+  embree::intersect(scene_, shot, &filter_nearest<Function>, &query);
   if (shot.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  hit = {shot.ray.tfar, item_of(shot.hit.geomID, shot.hit.primID), shot.hit.u, shot.hit.v};
+  hit = query.best;
   return true;
 }
 

@@ -50,6 +50,27 @@ TEST(Place, TheNormalIsUnitAndPerpendicularWhateverThePose) {
   EXPECT_GT(dot(placed.normal, in_front - placed.origin), 0);
 }
 
+// A quad and a triangle at an edge whose ends are no sums of floats, turned and moved: origin + edge_u would
+// miss both the vertex and the neighbour's corner.
+TEST(Place, NeighboursShareTheirVerticesBitForBit) {
+  const Vec3 a{0.1f, 0.7f, 0.3f}, b{1.3f, 0.9f, -0.4f}, c{1.6f, 2.9f, 0.33f}, d{2.7f, 0.2f, 0.11f};
+  Scene scene = tests::scene_with(1, 1);
+  tests::add_polygon(scene, {a, b, c, c + (a - b)});
+  tests::add_polygon(scene, {b, d, c});
+  const Patches patches = *mesh_into_patches(scene, 10);
+  ASSERT_EQ(patches.facets.size(), 2u);
+  ASSERT_FALSE(patches.facets[0].is_triangle);
+  EXPECT_EQ(patches.facets[0].corners[1], b);
+  EXPECT_EQ(patches.facets[0].corners[2], c);
+  Pose pose;
+  pose.m = {{{0.6, -0.8, 0, 31.7}, {0.8, 0.6, 0, -12.3}, {0, 0, 1, 0.7}}};
+  const PlacedFacet quad = place(patches.facets[0], pose), triangle = place(patches.facets[1], pose);
+  EXPECT_EQ(quad.corners[0], quad.origin);
+  EXPECT_EQ(quad.corners[1], triangle.corners[0]);
+  EXPECT_EQ(quad.corners[2], triangle.corners[2]);
+  EXPECT_EQ(quad.corners[1], transform_point(pose, b));
+}
+
 TEST(Place, APoseThatFlattensItsObjectLeavesNoNormal) {
   EXPECT_EQ(place(unit_square(), scaled(0, 1, 1)).normal, (Vec3{0, 0, 0}));
 }
