@@ -33,8 +33,9 @@ struct LightingOptions {
   /// Shadow rays per patch and light, whatever the frame count.  [rays] 1 .. 1024
   std::uint32_t samples_per_light = 8;
 
-  /// Polygon edges are cut into ceil(edge / patch_edge_m) parts. Memory and time grow with its inverse
-  /// square. [m] 1e-4 .. 1e4
+  /// Edges are cut into ceil(edge / patch_edge_m) parts, all three of a triangle into as many as its longest
+  /// needs. Lengths are those of the OBJ in metres, before the scale that the animation gives an object.
+  /// Memory and time grow with its inverse square.  [m] 1e-4 .. 1e4
   double patch_edge_m = 0.175;
 
   /// The same for the coarse estimate that chooses the key-frames.  [m] 1e-3 .. 1e4

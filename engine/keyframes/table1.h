@@ -17,7 +17,8 @@ enum class LastKey {
 ///
 ///     | A_i B_i(k) - A_i B_i(f) | > epsilon                                  [W]
 ///
-/// B is the largest channel of an RGB radiosity. The first and the last frame are always keys.
+/// B is the largest channel of an RGB radiosity, A the area in object space (a scaled object's patches count
+/// as if they were not scaled). The first and the last frame are always keys.
 /// It bounds the deviation from a key-frame, not the error of interpolating: a ramp costs many keys, and a
 /// jump between f - 1 and f is smeared over the frames since the last key. Source: Besuievsky & Pueyo, "A
 /// Monte Carlo Method for Accelerating the Computation of Animated Radiosity Sequences", 2001, Table 1.

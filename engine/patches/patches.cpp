@@ -73,10 +73,10 @@ std::vector<Facet> facets_of(std::span<const Vec3> corners, double patch_edge_m)
   return facets;
 }
 
-}  // namespace
-
-api::Result<Patches> mesh_into_patches(const Scene& scene, double patch_edge_m) {
-  Patches patches;
+/// Calls `use(facet)` for every facet that has an area until it answers false. The number of those without.
+template <class Use>
+std::uint64_t for_each_facet(const Scene& scene, double patch_edge_m, Use use) {
+  std::uint64_t dropped = 0;
   std::vector<Vec3> corners;
   for (std::uint32_t p = 0; p < scene.polygons.size(); ++p) {
     const Polygon& polygon = scene.polygons[p];
@@ -84,20 +84,50 @@ api::Result<Patches> mesh_into_patches(const Scene& scene, double patch_edge_m) 
     for (std::uint32_t c = 0; c < polygon.corner_count; ++c)
       corners.push_back(scene.vertices[scene.corners[polygon.first_corner + c]]);
     for (Facet& facet : facets_of(corners, patch_edge_m)) {
-      if (!has_area(facet)) continue;
       facet.object = polygon.object;
       facet.material = polygon.material;
       facet.polygon = p;
       facet.both_sides = scene.materials[polygon.material].both_sides;
-      if (!append(patches, facet))
-        return api::Error{api::Fault::out_of_resources, "the scene cuts into more than " +
-                                                            std::to_string(kPatchesMax) +
-                                                            " patches; choose a larger patch_edge_m"};
+      if (!has_area(facet))
+        ++dropped;
+      else if (!use(facet))
+        return dropped;
     }
   }
-  if (patches.count() == 0)
-    return api::Error{api::Fault::invalid_request, "no polygon of the scene has an area"};
+  return dropped;
+}
+
+api::Error without_area() {
+  return {api::Fault::invalid_request, "no polygon of the scene has an area"};
+}
+
+}  // namespace
+
+api::Result<Patches> mesh_into_patches(const Scene& scene, double patch_edge_m) {
+  Patches patches;
+  bool fits = true;
+  patches.dropped_facets = for_each_facet(scene, patch_edge_m, [&](const Facet& facet) {
+    fits = append(patches, facet);
+    return fits;
+  });
+  if (!fits)
+    return api::Error{api::Fault::out_of_resources, "the scene cuts into more than " +
+                                                        std::to_string(kPatchesMax) +
+                                                        " patches; choose a larger patch_edge_m"};
+  if (patches.count() == 0) return without_area();
   return patches;
+}
+
+api::Result<PatchCount> count_patches(const Scene& scene, double patch_edge_m) {
+  constexpr std::uint64_t kCountedMax = 1'000'000'000'000'000;  // 1e7 polygons of 1e12 cells would overflow
+  PatchCount count;
+  count.dropped_facets = for_each_facet(scene, patch_edge_m, [&](const Facet& facet) {
+    const std::uint64_t cells = std::uint64_t{facet.grid_u} * facet.grid_v;
+    count.patches = std::min(kCountedMax, count.patches + cells * (facet.both_sides ? 2 : 1));
+    return true;
+  });
+  if (count.patches == 0) return without_area();
+  return count;
 }
 
 }  // namespace engine

@@ -52,6 +52,7 @@ struct Patches {
   std::vector<Facet> facets;
   std::vector<std::uint32_t> facet_of;  ///< [patch]
   std::vector<float> area_m2;           ///< [patch]; one side, object space
+  std::uint64_t dropped_facets = 0;     ///< too thin to have an area; nothing sees them
   std::uint32_t count() const { return static_cast<std::uint32_t>(facet_of.size()); }
 
   bool is_back(PatchId patch) const {
@@ -68,9 +69,21 @@ struct Patches {
 
 inline constexpr std::uint32_t kPatchesMax = 20'000'000;
 
-/// Cuts every polygon into facets, and every facet edge into ceil(edge / patch_edge_m) parts. Parallelograms
-/// stay whole, other polygons are triangulated (ear clipping). Facets without area are dropped.
-/// Error out_of_resources beyond kPatchesMax.
+/// What mesh_into_patches would make.
+struct PatchCount {
+  std::uint64_t patches = 0;  ///< may be more than kPatchesMax; held at 1e15
+  std::uint64_t dropped_facets = 0;
+};
+
+/// Cuts every polygon into facets, and every facet edge into ceil(edge / patch_edge_m) parts, of a triangle
+/// all three edges into as many as the longest needs. Lengths are those of the OBJ in metres, before any
+/// scale that the animation gives an object. Parallelograms stay whole, other polygons are triangulated (ear
+/// clipping). Facets without area are dropped and counted.
+/// patch_edge_m > 0  [m]
+/// Errors: out_of_resources beyond kPatchesMax; invalid_request where no polygon has an area.
 api::Result<Patches> mesh_into_patches(const Scene& scene, double patch_edge_m);
+
+/// Counts them without making them: memory for one polygon only. Error: invalid_request as above.
+api::Result<PatchCount> count_patches(const Scene& scene, double patch_edge_m);
 
 }  // namespace engine

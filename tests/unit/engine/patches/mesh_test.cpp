@@ -113,6 +113,27 @@ TEST(MeshIntoPatches, FacetsWithoutAreaAreDroppedAndTheRestKeepTheirPolygons) {
   ASSERT_EQ(patches.count(), 1u);
   EXPECT_EQ(patches.facets[0].polygon, 2u);
   EXPECT_EQ(patches.facets[0].object, 1u);
+  EXPECT_EQ(patches.dropped_facets, 3u);  // the quads are parallelograms: a facet each
+}
+
+TEST(CountPatches, IsWhatTheMeshThenHas) {
+  Scene scene = scene_with(1, 1, true);
+  add_polygon(scene, {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}});
+  add_polygon(scene, {{0, 0, 2}, {4, 0, 2}, {3, 2, 2}, {1, 2, 2}});
+  add_polygon(scene, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
+  for (const double edge_m : {0.1, 0.7, 5.0}) {
+    const auto count = count_patches(scene, edge_m);
+    ASSERT_TRUE(count);
+    EXPECT_EQ(count->patches, mesh(scene, edge_m).count()) << edge_m;
+    EXPECT_EQ(count->dropped_facets, 1u);
+  }
+}
+
+TEST(CountPatches, GoesOnBeyondWhatAMeshMayHold) {
+  Scene scene = scene_with(1, 1);
+  for (int k = 0; k < 2000; ++k) add_polygon(scene, {{0, 0, 0}, {1e6f, 0, 0}, {1e6f, 1e6f, 0}, {0, 1e6f, 0}});
+  EXPECT_EQ(count_patches(scene, 1e3)->patches, 2'000'000'000u);
+  EXPECT_EQ(count_patches(scene, 1.0)->patches, 1'000'000'000'000'000u);  // held: it would overflow some day
 }
 
 TEST(MeshIntoPatches, ASceneWithoutAreaIsRefused) {
