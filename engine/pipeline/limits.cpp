@@ -1,17 +1,111 @@
 #include "engine/pipeline/limits.h"
 
+#include <cstdio>
+
 #include "engine/base/rgb.h"
 
 namespace engine {
+namespace {
 
-api::Status check_size(const Patches& patches, std::uint32_t frame_count) {
-  const std::uint64_t bytes = std::uint64_t{patches.count()} * frame_count * sizeof(Rgb);
-  if (bytes <= kRadiosityBytesMax) return api::Done{};
-  return api::Error{api::Fault::out_of_resources,
-                    std::to_string(patches.count()) + " patches in " + std::to_string(frame_count) +
-                        " frames take " + std::to_string(bytes >> 20) + " MiB of radiosity, more than " +
-                        std::to_string(kRadiosityBytesMax >> 20) +
-                        "; choose a larger patch_edge_m or fewer frames"};
+/// Per patch 72 bytes, per pose 97, per name 4 x 256 (110,000 of them at most).
+static_assert(std::uint64_t{72} * kPatchesMax + 97 * kPosesMax + std::uint64_t{1024} * 110'000 <
+                  std::uint64_t{4} << 30,
+              "patches.npz holds 4 GiB");
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string mebibytes(std::uint64_t bytes) {
+  return std::to_string(bytes >> 20) + " MiB";
+}
+
+api::Violation too_much(std::string pointer, std::string detail) {
+  return {"animation.json", std::move(pointer), 0, 0, "limit_exceeded", std::move(detail)};
+}
+
+/// The first of the violations is the message as well: it is what many clients show alone.
+api::Status refuse_if_any(std::vector<api::Violation> violations) {
+  if (violations.empty()) return api::Done{};
+  std::string message = violations.front().detail;
+  return api::Error{api::Fault::out_of_resources, std::move(message), std::move(violations)};
+}
+
+void check_lines(const api::LightingOptions& lighting, std::vector<api::Violation>& violations) {
+  const std::uint64_t bytes = lighting.line_count * kLineBytes;  // line_count is 1e9 at most
+  if (bytes <= kTracedBytesMax) return;
+  violations.push_back(too_much("/lighting/line_count", std::to_string(lighting.line_count) +
+                                                            " lines take about " + mebibytes(bytes) +
+                                                            ", more than " + mebibytes(kTracedBytesMax) +
+                                                            "; choose a smaller line_count"));
+}
+
+void check_images(const api::JobRequest& request, std::vector<api::Violation>& violations) {
+  double samples = 0, most = 0;
+  std::size_t largest = 0;
+  for (std::size_t k = 0; k < request.images.size(); ++k) {
+    const api::ImageOptions& image = request.images[k];
+    const double of_image =
+        static_cast<double>(request.frame_count) * image.width * image.height * image.samples_per_pixel;
+    samples += of_image;
+    if (of_image > most) largest = k;
+    most = std::max(most, of_image);
+  }
+  if (samples <= kImageSamplesMax) return;
+  violations.push_back(too_much("/images/" + std::to_string(largest),
+                                "the images take " + rounded(samples) + " samples in all frames, more than " +
+                                    rounded(kImageSamplesMax) +
+                                    "; choose a smaller width, height or samples_per_pixel"));
+}
+
+/// Of one mesh, whose edge is the field `field` of the lighting.
+api::Status check_series(std::uint64_t patches, std::uint32_t frames, std::uint64_t bytes_max,
+                         const std::string& field) {
+  const std::string pointer = "/lighting/" + field;
+  if (patches > kPatchesMax)
+    return refuse_if_any({too_much(pointer, "the scene cuts into " + rounded(static_cast<double>(patches)) +
+                                                " patches, more than " + std::to_string(kPatchesMax) +
+                                                "; choose a larger " + field)});
+  const std::uint64_t bytes = patches * frames * sizeof(Rgb);
+  if (bytes <= bytes_max) return api::Done{};
+  return refuse_if_any(
+      {too_much(pointer, std::to_string(patches) + " patches in " + std::to_string(frames) + " frames take " +
+                             mebibytes(bytes) + " of radiosity, more than " + mebibytes(bytes_max) +
+                             "; choose a larger " + field + " or fewer frames")});
+}
+
+}  // namespace
+
+api::Status check_request_size(const api::JobRequest& request, std::size_t object_count) {
+  std::vector<api::Violation> violations;
+  const std::uint64_t poses =
+      std::uint64_t{object_count + request.scene.cameras.size()} * request.frame_count;
+  if (poses > kPosesMax)
+    violations.push_back(too_much("/objects", std::to_string(object_count) + " objects in " +
+                                                  std::to_string(request.frame_count) +
+                                                  " frames take more than " + std::to_string(kPosesMax) +
+                                                  " poses; name fewer objects or choose fewer frames"));
+  check_lines(request.lighting, violations);
+  check_images(request, violations);
+  return refuse_if_any(std::move(violations));
+}
+
+api::Result<PatchCount> check_mesh_size(const api::JobRequest& request, const Scene& scene) {
+  const api::LightingOptions& lighting = request.lighting;
+  const auto count = count_patches(scene, lighting.patch_edge_m);
+  if (!count) return count.error();
+  if (auto s = check_series(count->patches, request.frame_count, kSeriesBytesMax, "patch_edge_m"); !s)
+    return s.error();
+  if (lighting.mode == api::LightingMode::reference) return count;  // it has no estimate
+  const auto coarse = count_patches(scene, lighting.estimate_patch_edge_m);
+  if (!coarse) return coarse.error();
+  if (auto s = check_series(coarse->patches, request.frame_count, kEstimateSeriesBytesMax,
+                            "estimate_patch_edge_m");
+      !s)
+    return s.error();
+  return count;
 }
 
 }  // namespace engine

@@ -1,15 +1,39 @@
-// What one job may ask of a machine.
+// What one job may ask of a machine: a run stays under about 12 GiB of memory.
 #pragma once
 
+#include "api/job_request.h"
 #include "api/result.h"
 #include "engine/patches/patches.h"
 
 namespace engine {
 
-/// Of the radiosity of all patches in all frames; a run holds about three such series.  [bytes]
-inline constexpr std::uint64_t kRadiosityBytesMax = std::uint64_t{3} << 30;
+/// Radiosity of all patches in all frames. Where every frame is solved, a run holds six such series at once:
+/// direct light and its columns of the solved frames, indirect light, the radiosity of the solved frames,
+/// what arrives in every frame and the radiosity of every frame. While solving it is three of them and, of a
+/// window of frames, three more.  [bytes]
+inline constexpr std::uint64_t kSeriesBytesMax = std::uint64_t{5} << 28;
 
-/// Error out_of_resources where `patches` in `frame_count` frames are more than a run can hold.
-api::Status check_size(const Patches& patches, std::uint32_t frame_count);
+/// The same of the estimate, which holds eight: direct light, its replicates, and three of a window.  [bytes]
+inline constexpr std::uint64_t kEstimateSeriesBytesMax = std::uint64_t{1} << 30;
+
+/// What a line's exchanges take while a window is traced: about 25 bytes per line and segment, so two or
+/// three segments each. Scenes of many surfaces behind each other take more.  [bytes]
+inline constexpr std::uint64_t kLineBytes = 64;
+inline constexpr std::uint64_t kTracedBytesMax = std::uint64_t{4} << 30;
+
+/// Objects and cameras times frames, some 100 bytes each. patches.npz then stays below its 4 GiB.
+inline constexpr std::uint64_t kPosesMax = 10'000'000;
+
+/// Rays through the pixels of all images of a job. One image has 64 Mi pixels at most by its edges.
+inline constexpr double kImageSamplesMax = 2e11;
+
+/// What needs no mesh: lines, poses, images. `object_count`: of the scene.
+/// Error out_of_resources with a violation in animation.json for each limit that is exceeded.
+api::Status check_request_size(const api::JobRequest& request, std::size_t object_count);
+
+/// Counts the patches of the lighting and, where the mode has one, of the estimate.
+/// Errors: out_of_resources as above, where either is more than kPatchesMax or more than a run can hold in
+/// `request.frame_count` frames; invalid_request where no polygon has an area. Else the lighting's count.
+api::Result<PatchCount> check_mesh_size(const api::JobRequest& request, const Scene& scene);
 
 }  // namespace engine

@@ -1,6 +1,7 @@
 #include "engine/pipeline/run_pipeline.h"
 
 #include "engine/image/texture_mean.h"
+#include "engine/pipeline/check_poses.h"
 #include "engine/pipeline/limits.h"
 #include "engine/pipeline/publish.h"
 #include "engine/pipeline/solve_sequence.h"
@@ -9,11 +10,35 @@
 namespace engine {
 namespace {
 
-void count_scene(const Scene& scene, const Patches& patches, std::uint32_t frames, api::JobReport& report) {
-  report.warnings = scene.warnings;
+/// What a job is about, checked and not yet cut into patches.
+struct PreparedJob {
+  Scene scene;
+  Animation animation;
+};
+
+void count_scene(const Scene& scene, const PatchCount& count, std::uint32_t frames, api::JobReport& report) {
+  if (count.dropped_facets > 0)
+    report.warnings.push_back(std::to_string(count.dropped_facets) +
+                              (count.dropped_facets == 1 ? " sliver" : " slivers") +
+                              " of polygons without an area left out");
   report.counts.emplace_back("polygons", static_cast<double>(scene.polygons.size()));
-  report.counts.emplace_back("patches", patches.count());
+  report.counts.emplace_back("patches", static_cast<double>(count.patches));
   report.counts.emplace_back("frames", frames);
+}
+
+/// All that can refuse a job, before anything that takes long or much memory.
+api::Result<PreparedJob> prepare(const api::JobRequest& request, const std::filesystem::path& input_folder,
+                                 api::JobReport& report) {
+  auto scene = load_scene(input_folder, request.scene, {}, mean_reflectance_of_texture);
+  if (!scene) return scene.error();
+  report.warnings = scene->warnings;
+  if (auto s = check_request_size(request, scene->objects.size()); !s) return s.error();
+  Animation animation = animate(*scene, request);
+  if (auto s = check_poses(*scene, animation, report.warnings); !s) return s.error();
+  const auto count = check_mesh_size(request, *scene);
+  if (!count) return count.error();
+  count_scene(*scene, *count, request.frame_count, report);
+  return PreparedJob{std::move(*scene), std::move(animation)};
 }
 
 }  // namespace
@@ -23,17 +48,14 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
                          api::JobReport& report) {
   StageClock clock(hooks, report);
   clock.begin(api::Stage::scene);
-  const auto scene = load_scene(input_folder, request.scene, {}, mean_reflectance_of_texture);
-  if (!scene) return scene.error();
-  const Animation animation = animate(*scene, request);
+  const auto job = prepare(request, input_folder, report);
+  if (!job) return job.error();
 
   clock.begin(api::Stage::patches);
-  const auto patches = mesh_into_patches(*scene, request.lighting.patch_edge_m);
+  const auto patches = mesh_into_patches(job->scene, request.lighting.patch_edge_m);
   if (!patches) return patches.error();
-  count_scene(*scene, *patches, request.frame_count, report);
-  if (auto s = check_size(*patches, request.frame_count); !s) return s;
-  const StaticRays static_rays(*patches, animation);
-  const LitScene lit{*scene, animation, *patches, static_rays};
+  const StaticRays static_rays(*patches, job->animation);
+  const LitScene lit{job->scene, job->animation, *patches, static_rays};
 
   const auto solved = solve_sequence(lit, request.lighting, clock, report);
   if (!solved) return solved.error();
@@ -50,12 +72,8 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
 
 api::Status check_job(const api::JobRequest& request, const std::filesystem::path& input_folder,
                       api::JobReport& report) {
-  const auto scene = load_scene(input_folder, request.scene, {}, mean_reflectance_of_texture);
-  if (!scene) return scene.error();
-  const auto patches = mesh_into_patches(*scene, request.lighting.patch_edge_m);
-  if (!patches) return patches.error();
-  count_scene(*scene, *patches, request.frame_count, report);
-  return check_size(*patches, request.frame_count);
+  const auto job = prepare(request, input_folder, report);
+  return job ? api::Status(api::Done{}) : job.error();
 }
 
 }  // namespace engine

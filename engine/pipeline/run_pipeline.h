@@ -24,8 +24,10 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
                          const std::filesystem::path& artefacts_folder, const RunHooks& hooks,
                          api::JobReport& report);
 
-/// The first stages only: loads the scene and cuts it into patches, so that bad input is refused before it is
-/// queued. Fills warnings and counts ("polygons", "patches", "frames").
+/// What run_pipeline checks before it computes: loads the scene, evaluates the animation and counts the
+/// patches, so that bad input and what is too much is refused before it is queued. Fills warnings and counts
+/// ("polygons", "patches", "frames").
+/// Errors: those of load_scene, check_poses and check_*_size (limits.h).
 api::Status check_job(const api::JobRequest& request, const std::filesystem::path& input_folder,
                       api::JobReport& report);
 
