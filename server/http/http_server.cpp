@@ -9,7 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <exception>
+#include <functional>
+#include <optional>
 #include <utility>
 
 #include "server/http/problem.h"
@@ -21,6 +24,9 @@ namespace {
 
 constexpr time_t kReadSeconds = 10;
 constexpr time_t kWriteSeconds = 30;
+// What is left of a refused upload is read up to here, so that a client that looks for the answer only when
+// it has sent everything gets to see it.
+constexpr std::int64_t kDropBytesMax = 16 << 20;
 constexpr time_t kKeepAliveSeconds = 2;  // an idle connection holds a thread
 constexpr std::size_t kKeepAliveRequests = 1000;
 constexpr std::size_t kMultipartFrameBytes = 1 << 20;
@@ -111,11 +117,84 @@ void send(const HttpAnswer& answer, const std::atomic<bool>& stopping, httplib::
         answer.content_type);
 }
 
-ReadBody body_of(const httplib::ContentReader& reader, const std::atomic<bool>& stopping) {
-  return [&reader, &stopping](const std::function<bool(std::string_view)>& take) {
-    return reader([&](const char* bytes, std::size_t count) { return !stopping && take({bytes, count}); });
-  };
+/// The body of one upload, as it comes in.
+class UploadBody {
+ public:
+  UploadBody(const httplib::ContentReader& reader, const HttpRules& rules, const std::atomic<bool>& stopping)
+      : reader_(reader), rules_(rules), stopping_(stopping) {}
+
+  ReadBody reading() {
+    return [this](const std::function<bool(std::string_view)>& take) {
+      asked_for_ = true;
+      return reader_([&](const char* bytes, std::size_t count) {
+        bytes_ += static_cast<std::int64_t>(count);
+        if (stopping_ || is_too_slow()) return false;
+        refused_ = !take({bytes, count});
+        return !refused_;
+      });
+    };
+  }
+  bool begun() const { return asked_for_; }
+  bool too_slow() const { return too_slow_; }
+  /// What the refused body of this announced length still has to bring; none: nobody knows, or not refused.
+  std::optional<std::int64_t> rest_of(std::int64_t announced) const {
+    if (!refused_ || announced < bytes_) return std::nullopt;
+    return announced - bytes_;
+  }
+
+ private:
+  using SteadyClock = std::chrono::steady_clock;
+
+  bool is_too_slow() {
+    const std::chrono::duration<double> elapsed = SteadyClock::now() - begun_;
+    too_slow_ =
+        elapsed > rules_.upload_grace &&
+        static_cast<double>(bytes_) < elapsed.count() * static_cast<double>(rules_.upload_bytes_per_s);
+    return too_slow_;
+  }
+
+  const httplib::ContentReader& reader_;
+  const HttpRules& rules_;
+  const std::atomic<bool>& stopping_;
+  const SteadyClock::time_point begun_ = SteadyClock::now();
+  std::int64_t bytes_ = 0;
+  bool asked_for_ = false;
+  bool refused_ = false;
+  bool too_slow_ = false;
+};
+
+/// The library waits for the whole body before it takes the next request, also where we have read a part.
+void expect_only(std::int64_t bytes, const httplib::Request& from) {
+  auto& headers = const_cast<httplib::Request&>(from).headers;
+  headers.erase("Content-Length");
+  headers.emplace("Content-Length", std::to_string(bytes));
 }
+
+/// Has the library close the connection after this answer, unread bytes and all, which it does only where an
+/// answer fails.
+void send_and_close(const HttpAnswer& answer, const httplib::Request& from, httplib::Response& response) {
+  const_cast<httplib::Request&>(from).body_consumed_ = true;
+  response.body.clear();
+  response.set_content_provider(answer.body.size(), answer.content_type,
+                                [body = answer.body](std::size_t at, std::size_t count, auto& sink) {
+                                  (void)sink.write(body.data() + at, count);
+                                  return false;
+                                });
+}
+
+/// One of a number of places, for as long as it lives.
+class Place {
+ public:
+  Place(std::atomic<std::size_t>& taken, std::size_t most) : taken_(taken), ours_(++taken <= most) {}
+  ~Place() { --taken_; }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+  explicit operator bool() const { return ours_; }
+
+ private:
+  std::atomic<std::size_t>& taken_;
+  const bool ours_;
+};
 
 }  // namespace
 
@@ -128,7 +207,7 @@ struct HttpServer::Library {
 
   void set_limits() {
     server.new_task_queue = [this] {
-      return new httplib::ThreadPool(rules.threads, rules.threads_max, rules.connections_waiting_max);
+      return new httplib::ThreadPool(rules.threads, rules.threads, rules.connections_waiting_max);
     };
     // The library's default shares the port with whoever else asks for it.
     server.set_socket_options([](auto socket) {
@@ -152,8 +231,7 @@ struct HttpServer::Library {
       return Handled::Handled;
     });
     server.Post(std::string(kUploadPath), [this](const auto& request, auto& response, const auto& reader) {
-      const HttpRequest ours = request_of(request);
-      send(submit_job(ours, body_of(reader, stopping), jobs, folder, rules.upload), stopping, response);
+      take_upload(request, response, reader);
     });
     server.set_expect_100_continue_handler([this](const auto& request, auto& response) {
       if (!is_upload(request)) return 100;
@@ -179,6 +257,26 @@ struct HttpServer::Library {
     });
   }
 
+  void take_upload(const httplib::Request& request, httplib::Response& response,
+                   const httplib::ContentReader& reader) {
+    const Place place(uploads, rules.uploads_max);
+    if (!place) return send(problem(503, "too many uploads at once", request.path), stopping, response);
+    UploadBody body(reader, rules, stopping);
+    HttpAnswer answer = submit_job(request_of(request), body.reading(), jobs, folder, rules.upload);
+    if (body.too_slow())
+      answer = problem(
+          408,
+          "the upload came in at less than " + std::to_string(rules.upload_bytes_per_s) + " bytes per second",
+          request.path);
+    send(answer, stopping, response);
+    if (request.body_consumed_) return;
+    const auto rest = body.rest_of(static_cast<std::int64_t>(request.get_header_value_u64("Content-Length")));
+    if (rest && *rest <= kDropBytesMax)
+      expect_only(*rest, request);
+    else if (body.begun())
+      send_and_close(answer, request, response);
+  }
+
   static HttpAnswer answer_to_exception(const std::string& path, const std::exception_ptr& thrown) {
     try {
       std::rethrow_exception(thrown);
@@ -194,6 +292,7 @@ struct HttpServer::Library {
   const DataFolder& folder;
   HttpRules rules;
   std::atomic<bool> stopping = false;
+  std::atomic<std::size_t> uploads = 0;
   int port = 0;
   httplib::Server server;
 };

@@ -1,7 +1,9 @@
 // The listening socket and everything cpp-httplib.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -17,10 +19,12 @@ struct HttpRules {
   int port = 8080;  ///< 0: any free one
   UploadLimits upload;
   // A connection holds a thread as long as it is open: the number of threads is the number of clients at
-  // once.
-  std::size_t threads = 8;
-  std::size_t threads_max = 64;
+  // once. All are there from the start, because the library's pool does not grow in a burst.
+  std::size_t threads = 64;
   std::size_t connections_waiting_max = 256;
+  std::size_t uploads_max = 16;  ///< at once, further ones are 503: the other threads stay free for reading
+  std::chrono::milliseconds upload_grace{10'000};  ///< from here on a body slower than this is 408:
+  std::int64_t upload_bytes_per_s = 1024;
 };
 
 class HttpServer {

@@ -69,15 +69,18 @@ class SocketTest : public ServiceTest {
     add_job_routes(router_, *jobs_);
     add_result_routes(router_, *jobs_);
     add_service_routes(router_);
-    HttpRules rules;
-    rules.port = 0;
-    rules.threads = 2;
-    rules.upload.total_bytes = kUploadBytesMax;
-    http_ = std::make_unique<HttpServer>(router_, *jobs_, *folder_, rules);
+    http_rules_.port = 0;
+    http_rules_.upload.total_bytes = kUploadBytesMax;
+    start();
+  }
+  void TearDown() override { stop(); }
+
+  void start() {
+    http_ = std::make_unique<HttpServer>(router_, *jobs_, *folder_, http_rules_);
     ASSERT_TRUE(http_->bind());
     listener_ = std::thread([this] { http_->run(); });
   }
-  void TearDown() override {
+  void stop() {
     http_->stop();
     listener_.join();
   }
@@ -121,6 +124,7 @@ class SocketTest : public ServiceTest {
     EXPECT_TRUE(std::filesystem::is_empty(folder_->jobs()));
   }
 
+  HttpRules http_rules_;
   Router router_;
   std::unique_ptr<HttpServer> http_;
   std::thread listener_;
@@ -170,6 +174,65 @@ TEST_F(SocketTest, ARequestWithoutABodyIsAnsweredAtOnceAndTheNextOneOnTheSameCon
   EXPECT_EQ(connection.status(), 204);
   connection.say("GET /version HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_EQ(connection.status(), 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+}
+
+TEST_F(SocketTest, TwentyConnectionsThatStayOpenAreAllAnsweredAtOnce) {
+  std::vector<std::unique_ptr<Connection>> connections;
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < 20; ++i) {
+    connections.push_back(std::make_unique<Connection>(http_->port()));
+    connections.back()->say("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+  }
+  for (const auto& connection : connections) EXPECT_EQ(connection->status(), 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(1500))
+      << "before any of them has been idle for too long";
+}
+
+TEST_F(SocketTest, AnUploadThatTricklesInIs408) {
+  stop();
+  http_rules_.upload_grace = std::chrono::milliseconds(200);
+  start();
+  Connection connection(http_->port());
+  connection.say(upload_head("Content-Length: 90000\r\n") + upload_body("v 0 0 0").substr(0, 100));
+  for (int i = 0; i < 8; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    connection.say("v");
+  }
+  EXPECT_EQ(connection.status(), 408);
+  expect_nothing_kept();
+}
+
+TEST_F(SocketTest, UploadsNeverTakeTheLastThread) {
+  stop();
+  http_rules_.uploads_max = 2;
+  start();
+  const std::string body = upload_body("v 0 0 0");
+  const std::string head = upload_head("Content-Length: " + std::to_string(body.size()) + "\r\n");
+  Connection first(http_->port());
+  Connection second(http_->port());
+  for (Connection* connection : {&first, &second}) connection->say(head + body.substr(0, 50));
+  std::string refused;
+  for (int i = 0; i < 100 && !refused.starts_with("HTTP/1.1 503"); ++i) refused = ask(head + "x");
+  EXPECT_TRUE(refused.starts_with("HTTP/1.1 503")) << refused;
+  EXPECT_NE(refused.find("Retry-After: "), std::string::npos);
+  EXPECT_EQ(status_of("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n"), 200);
+  for (Connection* connection : {&first, &second}) {
+    connection->say(body.substr(50));
+    EXPECT_EQ(connection->status(), 202);
+  }
+  EXPECT_EQ(status_of(head + body), 202) << "their places are free again";
+}
+
+TEST_F(SocketTest, ARefusedUploadGivesItsConnectionBackAtOnce) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::string body = "--edge\r\nContent-Disposition: form-data; name=\"scenery\"\r\n\r\n" +
+                           std::string(60'000, 'v') + "\r\n--edge--\r\n";
+  const std::string request = upload_head("Content-Length: " + std::to_string(body.size()) + "\r\n") + body;
+  Connection refused(http_->port());
+  refused.say(request);
+  EXPECT_EQ(refused.status(), 422);
+  EXPECT_EQ(refused.answer(), "") << "and is closed";
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
 }
 
