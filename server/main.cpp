@@ -79,7 +79,7 @@ class StopDeadline {
   StopDeadline()
       : thread_([this] {
           std::unique_lock lock(mutex_);
-          if (!done_.wait_for(lock, kStopPatience, [this] { return stopped_; })) ::_exit(0);
+          if (!done_.wait_for(lock, kStopPatience, [this] { return stopped_; })) ::_exit(kFailed);
         }) {}
   ~StopDeadline() {
     {

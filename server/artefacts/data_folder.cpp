@@ -41,8 +41,8 @@ api::Result<FileHandle> take_lock(const std::filesystem::path& file) {
         file.parent_path().string() + " is in use by another server, process " + holder_of(lock)};
   }
   if (::ftruncate(lock.get(), 0) != 0) return file_error(file.string(), errno);
-  const api::Status written = write_all(lock, std::to_string(::getpid()) + "\n");
-  if (!written) return written.error();
+  // For people only, so a full disk is no reason to stay away.
+  (void)write_all(lock, std::to_string(::getpid()) + "\n");
   return lock;
 }
 
@@ -79,15 +79,16 @@ api::Result<DataFolder> DataFolder::open(const std::filesystem::path& root) {
 
 api::Status DataFolder::remove_leftovers(std::span<const std::string> ids_with_row) const {
   const std::set<std::string, std::less<>> known(ids_with_row.begin(), ids_with_row.end());
+  api::Status status = api::Done{};
   for (const auto& parent : {uploads(), jobs()}) {
     const auto entries = entries_of(parent);
     if (!entries) return entries.error();
     for (const auto& entry : *entries) {
       if (parent == jobs() && known.contains(entry.filename().string())) continue;
-      if (api::Status removed = remove_tree(entry); !removed) return removed;
+      if (api::Status removed = remove_tree(entry); !removed) status = std::move(removed);
     }
   }
-  return api::Done{};
+  return status;
 }
 
 api::Result<std::int64_t> free_bytes(const std::filesystem::path& folder) {

@@ -29,6 +29,7 @@ class DataFolder {
   std::filesystem::path job(std::string_view id) const { return jobs() / id; }
 
   /// Empties tmp/ and removes the folders in jobs/ that no row knows: what a crash left between file and row.
+  /// Goes on after what cannot be removed, and answers the last error.
   api::Status remove_leftovers(std::span<const std::string> ids_with_row) const;
 
  private:

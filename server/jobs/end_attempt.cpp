@@ -1,14 +1,19 @@
 // The part of JobService that decides what becomes of a job whose worker is dead.
+#include <algorithm>
 #include <utility>
 
+#include "server/artefacts/files.h"
 #include "server/jobs/collect_results.h"
 #include "server/jobs/job_service.h"
+#include "server/log.h"
 
 namespace server {
 namespace {
 
 using api::Fault;
 using api::JobState;
+
+constexpr const char* kServerRestarted = "server_restarted";
 
 std::string with_log(const AttemptOutcome& outcome) {
   if (outcome.log_tail.empty()) return outcome.message;
@@ -48,7 +53,7 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
       return store_.fail(lease, {outcome.reason, message}, outcome.end, api::job_report_json(report));
     }
     case OutcomeKind::disk_full:
-      return store_.requeue(lease, why, outcome.end, false, clock_() + rules_.disk_full_wait_ms);
+      return wait_for_room_or_fail(job, lease, outcome);
     case OutcomeKind::server_stopped:
       return store_.requeue(lease, why, outcome.end, false);
     case OutcomeKind::lost:
@@ -74,6 +79,24 @@ api::Status JobService::succeed(const Job& job, const Lease& lease, const Attemp
   return try_again_or_fail(job, lease, lied);
 }
 
+api::Status JobService::wait_for_room_or_fail(const Job& job, const Lease& lease,
+                                              const AttemptOutcome& outcome) {
+  const auto earlier = store_.count_attempts(lease.job_seq, outcome.reason);
+  if (!earlier) return earlier.error();
+  // What it has written is part of what fills the disk; nothing of it is used again.
+  const api::Status removed = remove_tree(folder_.job(job.id) / "artefacts");
+  if (!removed) log_line(job.id + ": " + removed.error().message);
+  const std::string message = with_log(outcome);
+  if (*earlier + 1 >= rules_.disk_full_attempts_max)
+    return store_.fail(
+        lease, {outcome.reason, "given up after " + std::to_string(*earlier + 1) + " attempts: " + message},
+        outcome.end, api::job_report_json(read_report(folder_.job(job.id))));
+  std::int64_t wait_ms = rules_.disk_full_wait_ms;
+  for (std::int64_t i = 0; i < *earlier && wait_ms < rules_.disk_full_wait_ms_max; ++i) wait_ms *= 2;
+  return store_.requeue(lease, {outcome.reason, message}, outcome.end, false,
+                        clock_() + std::min(wait_ms, rules_.disk_full_wait_ms_max));
+}
+
 api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
   const StepReason why{outcome.reason, with_log(outcome)};
   if (job.attempts_without_progress < rules_.attempts_without_progress_max)
@@ -86,9 +109,16 @@ api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, co
 
 api::Status JobService::take_up_again(const Orphan& orphan) {
   if (orphan.job.state == JobState::cancel_requested) return store_.finish_cancel(orphan.lease, {});
-  // Not counted: the server's end says nothing about the job, which runs in a process of its own.
-  return store_.requeue(orphan.lease, {"server_restarted", "the server ended while the job was running"}, {},
-                        false);
+  // No attempt of three: most likely the server's end says nothing about the job, which runs in a process of
+  // its own. But a job that takes the machine down must not do so for ever.
+  const auto earlier = store_.count_attempts(orphan.lease.job_seq, kServerRestarted);
+  if (!earlier) return earlier.error();
+  const std::string why = "the server ended while the job was running";
+  if (*earlier + 1 >= rules_.orphaned_attempts_max)
+    return store_.fail(
+        orphan.lease,
+        {kServerRestarted, "given up after " + std::to_string(*earlier + 1) + " attempts: " + why}, {}, {});
+  return store_.requeue(orphan.lease, {kServerRestarted, why}, {}, false);
 }
 
 }  // namespace server

@@ -1,8 +1,12 @@
 #include "server/jobs/job_service.h"
 
+#include <malloc.h>
+
+#include <system_error>
 #include <utility>
 
 #include "server/artefacts/files.h"
+#include "server/log.h"
 
 namespace server {
 namespace {
@@ -16,12 +20,12 @@ JobService::JobService(JobStore& store, const DataFolder& folder, JobRules rules
     : store_(store), folder_(folder), rules_(std::move(rules)), clock_(std::move(clock)) {}
 
 api::Result<Job> JobService::submit(const Upload& upload) {
-  const auto request = check(upload);
-  if (!request) {
+  const auto row = check(upload);
+  if (!row) {
     discard(upload);
-    return request.error();
+    return row.error();
   }
-  auto job = keep(upload, *request);
+  auto job = keep(upload, *row);
   if (!job) return job;
   rules_.work_arrived();
   return job;
@@ -32,24 +36,41 @@ void JobService::discard(const Upload& upload) const {
   (void)remove_tree(folder_.upload(upload.id));
 }
 
-api::Result<api::JobRequest> JobService::check(const Upload& upload) const {
+// A small file can become a large document, so there is only one at a time, and none stays; what it took is
+// given back, because glibc would keep it for each of the many threads.
+api::Result<NewJob> JobService::read_request(const Upload& upload) const {
+  const std::lock_guard lock(parsing_);
+  const auto read = [&]() -> api::Result<NewJob> {
+    const std::filesystem::path input = folder_.upload(upload.id) / "input";
+    const auto bytes = read_below(input, "animation.json", std::int64_t{api::kAnimationBytesMax});
+    if (!bytes) return bytes.error();
+    const auto request = api::parse_job_request(*bytes);
+    if (!request) return request.error();
+    return NewJob{upload.id, request->name, request->frame_count, request->fps, upload.inputs};
+  };
+  auto job = read();
+  ::malloc_trim(0);
+  return job;
+}
+
+api::Result<NewJob> JobService::check(const Upload& upload) const {
   const auto waiting = store_.count(JobState::queued);
   if (!waiting) return waiting.error();
   if (*waiting >= rules_.queued_max)
     return api::Error{Fault::out_of_resources,
                       "the queue is full: " + std::to_string(*waiting) + " jobs are waiting"};
-  const std::filesystem::path folder = folder_.upload(upload.id);
-  const auto bytes = read_below(folder / "input", "animation.json", std::int64_t{api::kAnimationBytesMax});
-  if (!bytes) return bytes.error();
-  auto request = api::parse_job_request(*bytes);
-  if (!request) return request;
-  if (const api::Status fine = rules_.check(folder); !fine) return fine.error();
-  return request;
+  auto job = read_request(upload);
+  if (!job) return job;
+  if (const api::Status fine = rules_.check(folder_.upload(upload.id)); !fine) return fine.error();
+  return job;
 }
 
-api::Result<Job> JobService::keep(const Upload& upload, const api::JobRequest& request) {
+api::Result<Job> JobService::keep(const Upload& upload, const NewJob& row) {
   const std::filesystem::path from = folder_.upload(upload.id);
   const std::filesystem::path to = folder_.job(upload.id);
+  // The check's: the job itself has not run, and must not be taken for one that has.
+  std::error_code ignored;
+  std::filesystem::remove(from / "report.json", ignored);
   // The order matters: files and names durable, then the row. A crash in between leaves a folder without a
   // row, which the next start removes; never a row without files.
   for (const auto& path : {from / "input", from})
@@ -62,7 +83,6 @@ api::Result<Job> JobService::keep(const Upload& upload, const api::JobRequest& r
     (void)remove_tree(to);
     return moved.error();
   }
-  const NewJob row{upload.id, request.name, request.frame_count, request.fps, upload.inputs};
   auto job = store_.insert(row);
   if (!job) (void)remove_tree(to);
   return job;
@@ -88,6 +108,7 @@ api::Result<Job> JobService::cancel(std::string_view id) {
 }
 
 api::Status JobService::remove(std::string_view id) {
+  const std::lock_guard lock(removing_);
   if (api::Status begun = store_.begin_removal(id); !begun) return begun;
   return remove_files_and_row(std::string(id));
 }
@@ -112,15 +133,21 @@ api::Result<std::vector<api::FrameRecord>> JobService::frames(const Job& job) {
   return frames;
 }
 
+// What fails here is tried again at the next start, or when it is next asked for: it is no reason not to
+// serve.
 api::Status JobService::clean_up() {
   const auto unfinished = store_.jobs_being_removed();
   if (!unfinished) return unfinished.error();
   for (const std::string& id : *unfinished)
-    if (api::Status removed = remove_files_and_row(id); !removed) return removed;
+    if (const api::Status removed = remove_files_and_row(id); !removed)
+      log_line(id + " cannot be removed yet: " + removed.error().message);
   const auto known = store_.all_ids();
   if (!known) return known.error();
-  if (api::Status removed = folder_.remove_leftovers(*known); !removed) return removed;
-  return store_.forget_waiting_times();
+  if (const api::Status removed = folder_.remove_leftovers(*known); !removed)
+    log_line("leftovers cannot be removed yet: " + removed.error().message);
+  if (const api::Status forgotten = store_.forget_waiting_times(); !forgotten)
+    log_line("waiting times stay: " + forgotten.error().message);
+  return api::Done{};
 }
 
 }  // namespace server

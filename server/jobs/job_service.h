@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,7 +31,11 @@ using CheckJob = std::function<api::Status(const std::filesystem::path& job_fold
 struct JobRules {
   std::uint32_t attempts_without_progress_max = 3;
   std::int64_t queued_max = 10'000;
-  std::int64_t disk_full_wait_ms = 30'000;
+  /// How often a job may run when the server is killed: more than by chance, so it may be the job's doing.
+  std::uint32_t orphaned_attempts_max = 10;
+  std::uint32_t disk_full_attempts_max = 10;
+  std::int64_t disk_full_wait_ms = 30'000;  ///< doubled with every attempt, up to disk_full_wait_ms_max
+  std::int64_t disk_full_wait_ms_max = 3'600'000;
   CheckJob check;
   std::function<void()> work_arrived = [] {};      ///< something was queued
   std::function<void()> cancel_requested = [] {};  ///< a running job is to stop
@@ -83,16 +88,19 @@ class JobService {
 
   // At start-up, in this order.
   api::Result<std::vector<Orphan>> orphans() { return store_.orphans(); }
-  /// The worker of this orphan, if it had one, is dead: running -> queued, cancel_requested -> canceled.
+  /// The worker of this orphan, if it had one, is dead: running -> queued, cancel_requested -> canceled;
+  /// failed where it ran too often when a server was killed.
   api::Status take_up_again(const Orphan& orphan);
-  /// Ends removals that were under way and deletes files that no job owns.
+  /// Ends removals that were under way and deletes files that no job owns, as far as that is possible now.
   api::Status clean_up();
 
  private:
-  api::Result<api::JobRequest> check(const Upload& upload) const;
-  api::Result<Job> keep(const Upload& upload, const api::JobRequest& request);
+  api::Result<NewJob> read_request(const Upload& upload) const;
+  api::Result<NewJob> check(const Upload& upload) const;
+  api::Result<Job> keep(const Upload& upload, const NewJob& row);
   api::Status settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
+  api::Status wait_for_room_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status try_again_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status remove_files_and_row(const std::string& id);
 
@@ -100,6 +108,8 @@ class JobService {
   const DataFolder& folder_;
   JobRules rules_;
   Clock clock_;
+  mutable std::mutex parsing_;
+  std::mutex removing_;  ///< two removals of one job would meet half of its files
 };
 
 }  // namespace server

@@ -177,6 +177,15 @@ api::Status JobStore::finish_cancel(const Lease& lease, const AttemptEnd& end) {
   return transaction.commit();
 }
 
+api::Result<std::int64_t> JobStore::count_attempts(std::int64_t job_seq, std::string_view reason) {
+  const std::lock_guard lock(mutex_);
+  Statement select = database_.prepare("SELECT count(*) FROM attempt WHERE job_seq = ? AND outcome = ?");
+  select.bind(job_seq).bind(reason);
+  const std::int64_t count = select.next() ? select.integer(0) : 0;
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return count;
+}
+
 api::Result<std::vector<Orphan>> JobStore::orphans() {
   const std::lock_guard lock(mutex_);
   std::vector<Orphan> orphans;

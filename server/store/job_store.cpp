@@ -80,8 +80,11 @@ api::Result<Job> JobStore::insert(const NewJob& job) {
       "INSERT INTO event(job_seq, at_ms, to_state, reason, message) VALUES (?, ?, 'queued', 'submitted', "
       "'')");
   if (const api::Status done = event.bind(seq).bind(now).run(); !done) return done.error();
+  // Read before the commit: once that is done, nothing may make the caller believe that there is no job.
+  auto inserted = job_locked(job.id);
+  if (!inserted) return inserted;
   if (const api::Status done = transaction.commit(); !done) return done.error();
-  return job_locked(job.id);
+  return inserted;
 }
 
 api::Result<Job> JobStore::job_locked(std::string_view id) {
@@ -135,12 +138,17 @@ api::Result<Job> JobStore::cancel(std::string_view id) {
                       "the job is " + std::string(api::name_of(job->state)) + " and cannot be canceled"};
   const api::Status stepped = step({job->seq, job->state, to, {"canceled", "canceled on request"}});
   if (!stepped) return stepped.error();
+  auto canceled = job_locked(id);
+  if (!canceled) return canceled;
   if (const api::Status done = transaction.commit(); !done) return done.error();
-  return job_locked(id);
+  return canceled;
 }
 
 api::Status JobStore::begin_removal(std::string_view id) {
   const std::lock_guard lock(mutex_);
+  Statement begun = database_.prepare("SELECT 1 FROM job WHERE id = ? AND removing = 1");
+  if (begun.bind(id).next()) return api::Done{};
+  if (api::Status ok = begun.status(); !ok) return ok;
   const auto job = job_locked(id);
   if (!job) return job.error();
   if (!api::is_final(job->state))

@@ -43,7 +43,8 @@ class JobStore {
   api::Result<std::int64_t> count(api::JobState state);
   /// queued -> canceled, running -> cancel_requested; nothing to do for the two states it leads to.
   api::Result<Job> cancel(std::string_view id);
-  /// Marks a finished job as being removed: from now on nobody sees it. The row goes with `erase`.
+  /// Marks a finished job as being removed: from now on nobody sees it. The row goes with `erase`. Marking it
+  /// again is no error, so that a removal that failed halfway can be asked for again.
   api::Status begin_removal(std::string_view id);
   api::Status erase(std::string_view id);
   api::Result<std::vector<std::string>> jobs_being_removed();
@@ -64,6 +65,8 @@ class JobStore {
   api::Status requeue(const Lease& lease, const StepReason& why, const AttemptEnd& end, bool counted,
                       std::int64_t not_before_ms = 0);
   api::Status finish_cancel(const Lease& lease, const AttemptEnd& end);
+  /// Of this job, that ended for this reason.
+  api::Result<std::int64_t> count_attempts(std::int64_t job_seq, std::string_view reason);
   api::Result<std::vector<Orphan>> orphans();
   /// The wall clock may have jumped while the server was down: nobody waits longer than from now on.
   api::Status forget_waiting_times();

@@ -111,6 +111,23 @@ TEST_F(JobServiceTest, AServersEndIsNotHeldAgainstTheJob) {
   EXPECT_EQ(claim().job.attempt, 6u);
 }
 
+TEST_F(JobServiceTest, AJobThatIsThereWheneverTheServerDiesIsGivenUp) {
+  const std::string id = submit().id;
+  for (std::uint32_t round = 1; round <= rules_.orphaned_attempts_max; ++round) {
+    ASSERT_EQ(job(id).state, JobState::queued) << round;
+    // A clean stop in between is not counted.
+    if (round == 3) {
+      ASSERT_TRUE(
+          jobs_->end_attempt(claim().lease, {OutcomeKind::server_stopped, "server_stopped", "", {}, ""}));
+    }
+    claim();
+    restart();
+    ASSERT_TRUE(jobs_->take_up_again(jobs_->orphans()->front()));
+  }
+  EXPECT_EQ(job(id).state, JobState::failed);
+  EXPECT_EQ(job(id).reason, "server_restarted");
+}
+
 TEST_F(JobServiceTest, TheWorkerOfALostServerIsRememberedAcrossARestart) {
   submit();
   const Claim claimed = claim();
@@ -162,13 +179,28 @@ TEST_F(JobServiceTest, AFullDiskMakesTheJobWaitAndIsNotHeldAgainstIt) {
         jobs_->end_attempt(claimed.lease, {OutcomeKind::disk_full, "disk_full", "full", {6, {}}, ""}));
     EXPECT_EQ(job(id).state, JobState::queued);
     EXPECT_FALSE(jobs_->claim()->has_value()) << "not at once";
-    now_ms_ += rules_.disk_full_wait_ms;
+    now_ms_ += rules_.disk_full_wait_ms << round;
   }
   ASSERT_TRUE(jobs_->end_attempt(claim().lease, {OutcomeKind::disk_full, "disk_full", "full", {6, {}}, ""}));
   now_ms_ -= 365LL * 24 * 3600 * 1000;  // the clock was set back while the server was down
   restart();
   ASSERT_TRUE(jobs_->clean_up());
   EXPECT_TRUE(jobs_->claim()->has_value());
+}
+
+TEST_F(JobServiceTest, AJobThatFillsTheDiskEveryTimeLeavesNothingHalfAndIsGivenUp) {
+  const Job submitted = submit();
+  for (std::uint32_t round = 1; round <= rules_.disk_full_attempts_max; ++round) {
+    ASSERT_EQ(job(submitted.id).state, JobState::queued) << round;
+    const Claim claimed = claim();
+    write_text(jobs_->folder_of(submitted) / "artefacts/radiosity.npy", "half of it");
+    ASSERT_TRUE(
+        jobs_->end_attempt(claimed.lease, {OutcomeKind::disk_full, "disk_full", "full", {6, {}}, ""}));
+    EXPECT_FALSE(std::filesystem::exists(jobs_->folder_of(submitted) / "artefacts"));
+    now_ms_ += rules_.disk_full_wait_ms_max;
+  }
+  EXPECT_EQ(job(submitted.id).state, JobState::failed);
+  EXPECT_EQ(job(submitted.id).reason, "disk_full");
 }
 
 TEST_F(JobServiceTest, ARefusalByTheWorkerFailsAtOnceWithItsViolations) {
@@ -281,6 +313,39 @@ TEST_F(JobServiceTest, ARemovalCutShortIsEndedAtTheNextStart) {
   ASSERT_TRUE(jobs_->clean_up());
   EXPECT_FALSE(std::filesystem::exists(folder_->job(submitted.id)));
   EXPECT_TRUE(store_->all_ids()->empty());
+}
+
+TEST_F(JobServiceTest, ARemovalThatFailedHalfwayGoesOnWhenItIsAskedForAgain) {
+  const Job submitted = submit();
+  ASSERT_TRUE(jobs_->cancel(submitted.id));
+  ASSERT_TRUE(store_->begin_removal(submitted.id));  // and the files could not be removed
+  ASSERT_TRUE(jobs_->remove(submitted.id));
+  EXPECT_FALSE(std::filesystem::exists(folder_->job(submitted.id)));
+  EXPECT_TRUE(store_->all_ids()->empty());
+}
+
+TEST_F(JobServiceTest, ADatabaseThatCannotWriteDoesNotKeepTheServiceFromStarting) {
+  const Job submitted = submit();
+  ASSERT_TRUE(jobs_->cancel(submitted.id));
+  ASSERT_TRUE(store_->begin_removal(submitted.id));
+  submit();
+  auto beside = Database::open(folder_->database());
+  ASSERT_TRUE(beside &&
+              beside->execute("CREATE TRIGGER a BEFORE DELETE ON job BEGIN SELECT RAISE(ABORT, 'no'); END; "
+                              "CREATE TRIGGER b BEFORE UPDATE ON job BEGIN SELECT RAISE(ABORT, 'no'); END"));
+  EXPECT_TRUE(jobs_->clean_up());
+}
+
+TEST_F(JobServiceTest, AJobThatHasNotRunHasNoReportOfItsCheck) {
+  const Upload upload = make_upload();
+  write_text(folder_->upload(upload.id) / "report.json",
+             api::job_report_json({"succeeded", "", {}, {}, {}, {}, 0}));
+  const auto submitted = jobs_->submit(upload);
+  ASSERT_TRUE(submitted);
+  for (int attempt = 1; attempt <= 3; ++attempt) ASSERT_TRUE(jobs_->end_attempt(claim().lease, crash()));
+  const Job failed = job(submitted->id);
+  EXPECT_EQ(failed.state, JobState::failed);
+  EXPECT_EQ(failed.report.find("succeeded"), std::string::npos) << failed.report;
 }
 
 TEST_F(JobServiceTest, FilesOfASubmissionCutShortAreRemovedAtTheNextStart) {
