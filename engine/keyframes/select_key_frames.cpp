@@ -1,6 +1,7 @@
 #include "engine/keyframes/select_key_frames.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "engine/interpolate/interpolate.h"
@@ -10,9 +11,25 @@
 namespace engine {
 namespace {
 
-/// The frames on both sides of every appearance and disappearance.
+float largest_difference(Rgb a, Rgb b) {
+  return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
+}
+
+/// Appends the frames on both sides of every switching of a light: from one frame to the next some channel
+/// changes by more than half of the largest exitance that the material has in any frame. A ramp takes two
+/// frames at least, so its steps are never more than half. Lesser steps are left to the search for keys.
+void add_switched_lights(const std::vector<Rgb>& exitance, std::vector<FrameIndex>& forced) {
+  float largest = 0;
+  for (const Rgb e : exitance) largest = std::max(largest, max_channel(e));
+  for (FrameIndex f = 1; f < exitance.size(); ++f)
+    if (largest_difference(exitance[f], exitance[f - 1]) > 0.5f * largest)
+      forced.insert(forced.end(), {f - 1, f});
+}
+
+/// The frames on both sides of every appearance and disappearance and of every light that is switched.
 std::vector<FrameIndex> frames_at_jumps(const Animation& animation) {
   std::vector<FrameIndex> forced;
+  for (const auto& exitance : animation.exitance_w_m2) add_switched_lights(exitance, forced);
   const FrameIndex last = animation.frame_count - 1;
   for (const ObjectMotion& motion : animation.objects)
     for (std::size_t s = 0; s < motion.spans.size(); ++s) {

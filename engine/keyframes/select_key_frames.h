@@ -20,7 +20,9 @@ KeyFrames all_frames(const api::LightingOptions& options, std::uint32_t frame_co
 
 /// The other modes, on the estimate: Table 1 on the power of total radiosity, or the fewest keys whose
 /// interpolation of the indirect light (of all of it where lines carry everything) stays within the
-/// tolerance. Frames at which an object appears or disappears are forced in pairs.
+/// tolerance. In the latter mode pairs of frames are forced between which an object appears or disappears, or
+/// a light is switched: a channel of a material's exitance changes by more than half of the largest that the
+/// material has in any frame (a ramp over two frames or more does not).
 /// Error: stopped.
 api::Result<KeyFrames> select_key_frames(const Scene& scene, const Animation& animation,
                                          const StaticRays& static_rays, const Estimate& estimate,

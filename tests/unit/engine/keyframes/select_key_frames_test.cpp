@@ -87,6 +87,30 @@ TEST(SelectKeyFrames, AnObjectThatComesAndGoesForcesThePairsAroundIt) {
   EXPECT_EQ(chosen.checks, (Keys{2, 8, 15, 24}));
 }
 
+/// Keys where the light's exitance follows `knots` and the estimate sees no difference.
+Keys keys_of_lamp(const std::vector<std::pair<std::uint32_t, float>>& knots) {
+  Scene scene = tests::squares(1);
+  Animation animation = tests::still(scene, 30);
+  animation.exitance_w_m2[0].clear();
+  for (FrameIndex f = 0; f < 30; ++f)
+    animation.exitance_w_m2[0].push_back(Rgb{0.2f, 1, 0} * tests::through_knots(knots, f));
+  const tests::World world(scene, animation, 1.0);
+  const auto constant = series(1, 30, kConstant);
+  return select(world, constant, constant).keys;
+}
+
+TEST(SelectKeyFrames, ALightThatIsSwitchedForcesThePairsAroundIt) {
+  EXPECT_EQ(keys_of_lamp({{0, 0}, {9, 0}, {10, 50}, {20, 50}, {21, 0}, {29, 0}}),
+            (Keys{0, 9, 10, 20, 21, 29}));
+  EXPECT_EQ(keys_of_lamp({{0, 50}, {9, 50}, {10, 20}, {29, 20}}), (Keys{0, 9, 10, 29}));
+}
+
+TEST(SelectKeyFrames, ALightThatIsDimmedOrCreepsForcesNone) {
+  EXPECT_EQ(keys_of_lamp({{0, 0}, {29, 50}}), (Keys{0, 29}));
+  EXPECT_EQ(keys_of_lamp({{0, 0}, {9, 0}, {11, 50}, {29, 50}}), (Keys{0, 29}));    // a ramp of two frames
+  EXPECT_EQ(keys_of_lamp({{0, 50}, {9, 50}, {10, 49}, {29, 49}}), (Keys{0, 29}));  // a small step
+}
+
 TEST(SelectKeyFrames, TheDefaultLooksAtTheIndirectPartAndThePaperAtAll) {
   const Squares world(1, 11);
   const auto total = series(1, 11, [](auto, auto f) { return f == 5 ? 3.0f : 1.0f; });
