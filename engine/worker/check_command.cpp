@@ -10,18 +10,13 @@
 #include "engine/worker/job_folder.h"
 #include "engine/worker/outcome.h"
 #include "engine/worker/supervision.h"
+#include "engine/worker/wall_clock.h"
 
 namespace engine {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// A check writes its report and nothing else.
 constexpr std::uint64_t kFileBytesMax = 16u << 20;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 api::Status run_check(const JobFolder& folder, const Checker& checker, api::JobReport& report) {
   const auto request = read_job_request(folder);

@@ -24,6 +24,13 @@ bool means_full_disk(const std::error_code& code) {
          (code.value() == ENOSPC || code.value() == EDQUOT);
 }
 
+void cut_warnings(std::vector<std::string>& warnings) {
+  if (warnings.size() <= kWarningsMax) return;
+  const std::size_t more = warnings.size() - kWarningsMax;
+  warnings.resize(kWarningsMax);
+  warnings.push_back("and " + std::to_string(more) + " more");
+}
+
 }  // namespace
 
 api::ExitCode exit_code_of(api::Fault fault) {
@@ -68,6 +75,7 @@ void complete_report(const api::Status& status, double wall_seconds, api::JobRep
   report.message = status ? "" : status.error().message;
   report.violations = status ? std::vector<api::Violation>{} : status.error().violations;
   if (report.violations.size() > api::kViolationsMax) report.violations.resize(api::kViolationsMax);
+  cut_warnings(report.warnings);
   report.peak_memory_bytes = peak_memory_bytes();
   report.counts.emplace_back("wall_seconds", wall_seconds);
 }

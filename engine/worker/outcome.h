@@ -20,8 +20,11 @@ api::ExitCode exit_code_of(const api::Status& status);
 /// anything else internal.
 api::Status without_exceptions(const std::function<api::Status()>& work);
 
-/// Fills what every report ends with: outcome, message and violations of `status`, peak memory, and
-/// "wall_seconds" among the counts.
+/// Warnings in a report; where there are more, a last one says how many.
+inline constexpr std::size_t kWarningsMax = 100;
+
+/// Fills what every report ends with: outcome, message and violations of `status` (kViolationsMax at most),
+/// peak memory, and "wall_seconds" among the counts. Cuts the warnings.
 void complete_report(const api::Status& status, double wall_seconds, api::JobReport& report);
 
 /// Largest resident set of this process since it was started  [bytes].

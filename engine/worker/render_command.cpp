@@ -12,15 +12,10 @@
 #include "engine/worker/outcome.h"
 #include "engine/worker/progress_file.h"
 #include "engine/worker/supervision.h"
+#include "engine/worker/wall_clock.h"
 
 namespace engine {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string text_of_seconds(double seconds) {
   char text[32];

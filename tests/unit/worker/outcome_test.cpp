@@ -61,6 +61,18 @@ TEST(Report, ViolationsAreCutAtTheLimitAndOldOnesReplaced) {
   EXPECT_EQ(report.counts[0], (std::pair<std::string, double>("wall_seconds", 1.5)));
 }
 
+TEST(Report, WarningsAreCutAtTheLimitAndTheRestCounted) {
+  api::JobReport report;
+  report.warnings.assign(engine::kWarningsMax, "it is dark");
+  engine::complete_report(api::Status(api::Done{}), 0, report);
+  EXPECT_EQ(report.warnings, std::vector<std::string>(engine::kWarningsMax, "it is dark"));
+  report.warnings.resize(engine::kWarningsMax + 17);
+  engine::complete_report(api::Status(api::Done{}), 0, report);
+  ASSERT_EQ(report.warnings.size(), engine::kWarningsMax + 1);
+  EXPECT_EQ(report.warnings.front(), "it is dark");
+  EXPECT_EQ(report.warnings.back(), "and 17 more");
+}
+
 TEST(Report, StoppedIsNotFailed) {
   api::JobReport report;
   engine::complete_report(api::Error{Fault::stopped, "told to stop"}, 0, report);
