@@ -1,6 +1,8 @@
 // (scene, frame) -> where everything is, what it emits, and from where it is seen.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -50,6 +52,12 @@ struct Animation {
     return series.size() == 1 ? series[0] : series[frame];
   }
 };
+
+/// Does `material` emit in some frame?
+inline bool ever_emits(const Animation& animation, std::uint32_t material) {
+  const auto& series = animation.exitance_w_m2[material];
+  return std::any_of(series.begin(), series.end(), [](Rgb e) { return max_channel(e) > 0; });
+}
 
 /// Evaluates every track at every frame. `scene` comes from load_scene with `request.scene`, so names match;
 /// the entry "" of `request.scene.objects`, if there is one, moves Scene::objects[0].

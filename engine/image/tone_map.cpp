@@ -30,10 +30,6 @@ double filmic_scale() {
   return scale;
 }
 
-bool emits_ever(const std::vector<Rgb>& exitance) {
-  return std::any_of(exitance.begin(), exitance.end(), [](Rgb e) { return max_channel(e) > 0; });
-}
-
 // The table's points are equidistant within each octave: 2^7 of them, from 2^-16 to 2^16, so that the upper
 // bits of a float are its index and the lower ones the fraction to the next point.
 constexpr unsigned kMantissaBits = 23, kPointBits = 7, kFractionBits = kMantissaBits - kPointBits;
@@ -45,8 +41,9 @@ constexpr std::uint32_t kPoints = (32u << kPointBits) + 1;
 
 double auto_exposure_factor(const Patches& patches, const Animation& animation,
                             const PatchSeries& radiosity_w_m2) {
-  std::vector<bool> emits;
-  for (const auto& exitance : animation.exitance_w_m2) emits.push_back(emits_ever(exitance));
+  std::vector<bool> emits;  // [material]
+  for (std::uint32_t m = 0; m < animation.exitance_w_m2.size(); ++m)
+    emits.push_back(ever_emits(animation, m));
   double power = 0, area = 0;
   for (PatchId patch = 0; patch < patches.count(); ++patch) {
     if (emits[patches.facets[patches.facet_of[patch]].material] && !patches.is_back(patch)) continue;

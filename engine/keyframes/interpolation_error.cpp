@@ -10,13 +10,13 @@ namespace {
 
 /// Area-weighted mean of the largest channel of B over the patches that emit in no frame.
 double mean_radiosity(const LitScene& lit, const PatchSeries& radiosity) {
+  std::vector<bool> emits;  // [material]
+  for (std::uint32_t m = 0; m < lit.animation.exitance_w_m2.size(); ++m)
+    emits.push_back(ever_emits(lit.animation, m));
   double sum = 0, area = 0;
   for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
-    const auto& exitance =
-        lit.animation.exitance_w_m2[lit.patches.facets[lit.patches.facet_of[patch]].material];
-    const bool emits =
-        std::any_of(exitance.begin(), exitance.end(), [](Rgb e) { return max_channel(e) > 0; });
-    if (emits && !lit.patches.is_back(patch)) continue;
+    if (emits[lit.patches.facets[lit.patches.facet_of[patch]].material] && !lit.patches.is_back(patch))
+      continue;
     for (std::uint32_t frame = 0; frame < radiosity.frame_count; ++frame)
       sum += double{lit.patches.area_m2[patch]} * max_channel(radiosity.at(patch, frame));
     area += double{lit.patches.area_m2[patch]} * radiosity.frame_count;
