@@ -29,7 +29,7 @@ void add_blend(const NodeBlend& blend, float share, std::size_t first, std::vect
 }
 
 /// Appends the blend of one pixel. `moving`: none, to see the static facets only.
-void trace_pixel(const Stage3d& stage, const PinholeCamera& camera, const MovingRays* moving,
+void trace_pixel(const ShadedScene& stage, const PinholeCamera& camera, const MovingRays* moving,
                  std::uint32_t slot, std::span<const SubPixel> samples, std::uint32_t x, std::uint32_t y,
                  std::vector<NodeWeight>& pixel) {
   const std::size_t first = pixel.size();
@@ -70,7 +70,7 @@ bool meets_motion(const FrameView& view, std::span<const SubPixel> samples, std:
   });
 }
 
-void render_row(const Stage3d& stage, const FrameView& view, std::span<const NodeValues> node_values,
+void render_row(const ShadedScene& stage, const FrameView& view, std::span<const NodeValues> node_values,
                 std::span<const SubPixel> samples, std::uint32_t y, std::vector<Image>& images) {
   std::vector<NodeWeight> blend;
   for (std::uint32_t x = 0; x < view.camera.width; ++x) {
@@ -113,7 +113,7 @@ std::array<Vec3, 8> box_corners(Vec3 low, Vec3 high) {
 
 }  // namespace
 
-std::unique_ptr<StaticView> see_static(const Stage3d& stage, const PinholeCamera& camera,
+std::unique_ptr<StaticView> see_static(const ShadedScene& stage, const PinholeCamera& camera,
                                        std::uint32_t samples_per_pixel, std::size_t bytes_max,
                                        const std::function<bool()>& stop_requested) {
   auto view = std::make_unique<StaticView>();
@@ -133,7 +133,7 @@ std::unique_ptr<StaticView> see_static(const Stage3d& stage, const PinholeCamera
   return whole && bytes <= bytes_max ? std::move(view) : nullptr;
 }
 
-api::Result<std::vector<Image>> render_frame(const Stage3d& stage, const FrameView& view,
+api::Result<std::vector<Image>> render_frame(const ShadedScene& stage, const FrameView& view,
                                              std::span<const NodeValues> node_values_w_m2,
                                              std::uint32_t samples_per_pixel,
                                              const std::function<bool()>& stop_requested) {

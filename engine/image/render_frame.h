@@ -16,7 +16,7 @@
 namespace engine {
 
 /// What is the same in every frame of a scene.
-struct Stage3d {
+struct ShadedScene {
   const Patches& patches;
   const ShadingMesh& mesh;
   const StaticRays& static_rays;
@@ -34,7 +34,7 @@ struct StaticView {
 
 /// Traces `samples_per_pixel` rays per pixel. Null when the view would need more than `bytes_max`, or when
 /// stopped: then every frame is traced alone, with the same result.
-std::unique_ptr<StaticView> see_static(const Stage3d& stage, const PinholeCamera& camera,
+std::unique_ptr<StaticView> see_static(const ShadedScene& stage, const PinholeCamera& camera,
                                        std::uint32_t samples_per_pixel, std::size_t bytes_max,
                                        const std::function<bool()>& stop_requested);
 
@@ -54,7 +54,7 @@ using NodeValues = std::span<const Rgb>;
 /// One image per element of `node_values_w_m2`, since rays cost more than sums: radiance B / pi, box-filtered
 /// over each pixel; black where a ray meets nothing or the back of a one-sided facet. Rows run in parallel.
 /// Error: stopped.
-api::Result<std::vector<Image>> render_frame(const Stage3d& stage, const FrameView& view,
+api::Result<std::vector<Image>> render_frame(const ShadedScene& stage, const FrameView& view,
                                              std::span<const NodeValues> node_values_w_m2,
                                              std::uint32_t samples_per_pixel,
                                              const std::function<bool()>& stop_requested);

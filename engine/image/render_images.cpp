@@ -42,7 +42,7 @@ struct Sequence {
   const api::ImageOptions& options;
   const std::filesystem::path& folder;
   const Progress& progress;
-  Stage3d stage;
+  ShadedScene stage;
   DisplayTable display;
   std::unique_ptr<StaticView> static_view = nullptr;
 };
@@ -137,8 +137,8 @@ std::vector<std::string> file_names(const api::ImageOptions& options, FrameIndex
 
 }  // namespace
 
-api::Result<std::vector<std::string>> render_images(const Scene&, const Patches& patches,
-                                                    const Animation& animation, const StaticRays& static_rays,
+api::Result<std::vector<std::string>> render_images(const Patches& patches, const Animation& animation,
+                                                    const StaticRays& static_rays,
                                                     const PatchSeries& radiosity_w_m2,
                                                     const api::ImageOptions& options,
                                                     const std::filesystem::path& folder,

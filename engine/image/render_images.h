@@ -19,9 +19,10 @@ namespace engine {
 /// Identical inputs give identical bytes; no time stamps. Returns the files written, relative to `folder`,
 /// in frame order.
 /// Pixels are radiance B / pi [W sr^-1 m^-2]; what no surface covers is black.
-/// Errors: stopped; disk_full; internal with the path for other I/O errors.
-api::Result<std::vector<std::string>> render_images(const Scene& scene, const Patches& patches,
-                                                    const Animation& animation, const StaticRays& static_rays,
+/// Errors: invalid_request where the animation has no camera `options.camera`; stopped; disk_full; internal
+/// with the path for other I/O errors.
+api::Result<std::vector<std::string>> render_images(const Patches& patches, const Animation& animation,
+                                                    const StaticRays& static_rays,
                                                     const PatchSeries& radiosity_w_m2,
                                                     const api::ImageOptions& options,
                                                     const std::filesystem::path& folder,

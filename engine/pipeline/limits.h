@@ -7,10 +7,10 @@
 
 namespace engine {
 
-/// Radiosity of all patches in all frames. Where every frame is solved, a run holds six such series at once:
-/// direct light and its columns of the solved frames, indirect light, the radiosity of the solved frames,
-/// what arrives in every frame and the radiosity of every frame. While solving it is three of them and, of a
-/// window of frames, three more.  [bytes]
+/// Radiosity of all patches in all frames. Of such series a run holds at worst, where nearly every frame is
+/// solved, five while it composes the result: direct light and its columns of the solved frames, indirect
+/// light, what arrives in every frame and the radiosity; and three while it solves, with three more of a
+/// window of at most 64 frames. (Where few frames are solved: about three. Where all are: three.)  [bytes]
 inline constexpr std::uint64_t kSeriesBytesMax = std::uint64_t{5} << 28;
 
 /// The same of the estimate, which holds eight: direct light, its replicates, and three of a window.  [bytes]

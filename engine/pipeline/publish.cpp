@@ -1,5 +1,6 @@
 #include "engine/pipeline/publish.h"
 
+#include "engine/base/durable_file.h"
 #include "engine/image/render_images.h"
 
 namespace engine {
@@ -30,12 +31,16 @@ api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const Pat
   for (std::size_t k = 0; k < images.size(); ++k) {
     const std::filesystem::path within = std::filesystem::path("images") / images[k].camera;
     if (const auto made = make_folder(folder / within); !made) return made.error();
-    const auto files = render_images(lit.scene, lit.patches, lit.animation, lit.static_rays, radiosity_w_m2,
-                                     images[k], folder / within, part_of(progress, share(k), share(k + 1)));
+    const auto files = render_images(lit.patches, lit.animation, lit.static_rays, radiosity_w_m2, images[k],
+                                     folder / within, part_of(progress, share(k), share(k + 1)));
     if (!files) return files.error();
     for (const std::string& file : *files)
       artefacts.push_back({(within / file).generic_string(), media_type_of(file)});
   }
+  // Each camera's folder is synced with its files; its name stands in this one, whose own name is synced with
+  // the files beside it.
+  if (!images.empty())
+    if (const auto synced = sync_folder(folder / "images"); !synced) return synced.error();
   return artefacts;
 }
 

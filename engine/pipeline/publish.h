@@ -13,13 +13,16 @@
 namespace engine {
 
 /// Renders every image the job asks for, into `folder`/images/<camera>/, and lists the files.
+/// `folder` exists. Errors: invalid_request for a camera that the animation lacks; stopped; disk_full;
+/// internal for other I/O errors.
 api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const PatchSeries& radiosity_w_m2,
                                                   const std::vector<api::ImageOptions>& images,
                                                   const std::filesystem::path& folder,
                                                   const Progress& progress);
 
 /// Writes radiosity.npy, patches.npz and key_frames.json, and last of all manifest.json, which lists these
-/// and `images`.
+/// and `images`. Errors: disk_full; out_of_resources where patches.npz would exceed 4 GiB; internal for other
+/// I/O errors, and where one of `images` is not there.
 api::Status publish_data(const LitScene& lit, const PatchSeries& radiosity_w_m2,
                          const api::KeyFrameReport& key_frames, const std::vector<Artefact>& images,
                          const std::filesystem::path& folder);

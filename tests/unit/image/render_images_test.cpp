@@ -73,7 +73,7 @@ struct Furnace {
                                                const api::ImageOptions& options, const fs::path& folder,
                                                const engine::Progress& progress = {}) const {
     const engine::StaticRays rays(*patches, animation);
-    return engine::render_images(scene, *patches, animation, rays, radiosity, options, folder, progress);
+    return engine::render_images(*patches, animation, rays, radiosity, options, folder, progress);
   }
 };
 
@@ -193,7 +193,7 @@ TEST(RenderFrame, WhatAStandingCameraKeepsGivesTheSameAsTracingAgain) {
   const auto never = [] { return false; };
   engine::node_radiosity(mesh, *furnace.patches, tests::series_of(*furnace.patches, 4, rough), 0, never,
                          nodes);
-  const engine::Stage3d stage{*furnace.patches, mesh, rays};
+  const engine::ShadedScene stage{*furnace.patches, mesh, rays};
   const auto camera = engine::pinhole_camera(kIntoTheCorner, 200, 150);
   const auto seen = engine::see_static(stage, camera, 5, 100 << 20, never);
   ASSERT_TRUE(seen);
@@ -226,8 +226,7 @@ TEST(RenderImages, AMovingObjectHidesTheWallInItsFrameOnly) {
   });
   Folder folder;
   const engine::StaticRays rays(*patches, animation);
-  ASSERT_TRUE(
-      engine::render_images(scene, *patches, animation, rays, radiosity, small("c"), folder.path, {}));
+  ASSERT_TRUE(engine::render_images(*patches, animation, rays, radiosity, small("c"), folder.path, {}));
   for (int f = 0; f < 3; ++f) {
     const auto pixels = tests::read_floats(folder.path / ("000" + std::to_string(f) + ".exr"));
     const std::size_t centre = 3 * (60 * 160 + 80), corner = 0;
@@ -288,8 +287,7 @@ TEST(RenderImages, TheEdgeOfALampIsShadedInPngAndTrueInExr) {
   });
   Folder folder;
   const engine::StaticRays rays(*patches, animation);
-  ASSERT_TRUE(
-      engine::render_images(scene, *patches, animation, rays, radiosity, small("c"), folder.path, {}));
+  ASSERT_TRUE(engine::render_images(*patches, animation, rays, radiosity, small("c"), folder.path, {}));
   const auto shown = tests::read_bytes(folder.path / "0000.png");
   const auto radiance = tests::read_floats(folder.path / "0000.exr");
   int white = 0, between = 0, partly_lit = 0;
