@@ -24,8 +24,9 @@ enum class FrameKind {
 struct FrameRecord {
   FrameIndex frame = 0;
   FrameKind kind = FrameKind::interpolated;
-  /// Relative interpolation error predicted for this frame by the estimate; 0 for solved frames. Not known:
-  /// none (Table 1 predicts no error).
+  /// Relative interpolation error predicted for this frame by the estimate: what of it stands out of the
+  /// estimate's noise by more than 4 standard errors, so 0 also where noise hides it. 0 for solved frames.
+  /// Not known: none (Table 1 predicts no error).
   std::optional<double> error;
 };
 
@@ -34,8 +35,12 @@ struct FrameRecord {
 struct KeyFrameInterval {
   FrameIndex first = 0;
   FrameIndex last = 0;
-  std::optional<double> predicted_error;  ///< on the coarse estimate, largest over the frames between
-  std::optional<double> observed_error;   ///< at the check frame, of having left it out
+  /// On the coarse estimate, largest over the frames between; less 4 standard errors of the estimate's noise,
+  /// at least 0.
+  std::optional<double> predicted_error;
+  /// At the check frame, of having left it out. Noise of the solution is part of it, so it is more than the
+  /// error of interpolation alone.
+  std::optional<double> observed_error;
 };
 
 /// artefacts/key_frames.json. No times in it: the same job gives the same bytes.

@@ -8,6 +8,7 @@ namespace engine {
 /// Handed to every stage that takes long. Both may be called from any thread. A stage asks `stop_requested`
 /// at least every 100 ms of work where it can; when it is true the stage returns Fault::stopped.
 struct Progress {
+  /// `fraction` of the stage that is done, 0 .. 1; from several threads it may come out of order.
   std::function<void(double fraction)> report = [](double) {};
   std::function<bool()> stop_requested = [] { return false; };
 };
