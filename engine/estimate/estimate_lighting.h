@@ -25,8 +25,8 @@ inline constexpr std::uint32_t kReplicates = 4;
 
 /// Solves all frames on patches of `options.estimate_patch_edge_m` with `options.estimate_line_count` lines
 /// in kReplicates independent parts, and takes their mean. `static_rays` may be those of finer patches of the
-/// same scene: the facets are the same. Source: Besuievsky & Pueyo, 2001, section 5. Errors: stopped,
-/// out_of_resources (too many patches).
+/// same scene: the facets are the same. Source: Besuievsky & Pueyo, 2001, section 5.
+/// Errors: stopped; out_of_resources and invalid_request as mesh_into_patches says.
 api::Result<Estimate> estimate_lighting(const Scene& scene, const Animation& animation,
                                         const StaticRays& static_rays, const api::LightingOptions& options,
                                         const Progress& progress);

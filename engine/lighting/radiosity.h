@@ -1,4 +1,4 @@
-// Radiosity and irradiance of many patches in many frames.
+// A light quantity of many patches in many frames.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,8 @@
 
 namespace engine {
 
-/// One Rgb per patch and frame (or key-frame, or slot), the frames of a patch side by side.  [W/m^2]
+/// One Rgb per patch and frame (or key-frame, or slot), the frames of a patch side by side: radiosity, the
+/// irradiance that arrives, or what of it is reflected; the name of the variable says which.  [W/m^2]
 struct PatchSeries {
   std::uint32_t patch_count = 0;
   std::uint32_t frame_count = 0;

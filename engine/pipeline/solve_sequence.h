@@ -15,7 +15,8 @@ struct SolvedSequence {
 };
 
 /// Runs the stages estimate .. interpolate as `options.mode` says. Adds its counts to `report`.
-/// Errors: stopped, out_of_resources.
+/// Errors: stopped; of the estimate's mesh out_of_resources and invalid_request, see mesh_into_patches (a run
+/// has refused both before).
 api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::LightingOptions& options,
                                            StageClock& clock, api::JobReport& report);
 
