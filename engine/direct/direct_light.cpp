@@ -7,37 +7,12 @@
 #include "engine/base/parallel.h"
 #include "engine/base/sobol.h"
 #include "engine/direct/form_factor.h"
-#include "engine/direct/light_sampling.h"
-#include "engine/lines/global_line.h"
+#include "engine/direct/window_lights.h"
 
 namespace engine {
 namespace {
 
 constexpr PatchId kPatchesPerTask = 4;  // one that moves takes as long as all its frames
-
-/// A light and its poses in the window.
-struct WindowLight {
-  std::uint32_t facet = 0;
-  std::uint32_t material = 0;
-  std::vector<PlacedLight> poses;
-};
-
-std::vector<WindowLight> place_lights(const Patches& patches, const Animation& animation,
-                                      std::span<const FrameIndex> frames) {
-  std::vector<WindowLight> lights;
-  for (const Light& light : find_lights(patches, animation)) {
-    const Facet& facet = patches.facets[light.facet];
-    WindowLight placed{light.facet, facet.material, {}};
-    for (const PlacedRange& range : placed_ranges(animation.objects[facet.object], frames)) {
-      PlacedFacet at = place(facet, *range.pose);
-      at.first_slot = range.first_slot;
-      at.last_slot = range.last_slot;
-      placed.poses.push_back(place_light(facet, at));
-    }
-    lights.push_back(std::move(placed));
-  }
-  return lights;
-}
 
 /// (u, v) of a point of a cell; a, b uniform in [0, 1) give points uniform by area.
 std::pair<float, float> point_in_cell(const CellCorners& cell, float a, float b) {
@@ -61,27 +36,23 @@ class WindowLighter {
         moving_rays_(patches, animation, frames),
         frames_(frames),
         options_(options),
-        lights_(place_lights(patches, animation, frames)) {
-    // Shadow rays start and end a little off the surfaces: a part in 10^5 of the scene, as floats allow. The
-    // box is that of all frames, so that a frame does not depend on those that are lit beside it.
-    const LineBox box = line_box(patches, animation);
-    off_surface_m_ = 1e-5f * length(box.upper - box.lower);
-  }
+        lights_(place_window_lights(patches, animation, frames)) {}
 
   /// Adds the irradiance of `patch` to `row`, one value per slot.
   void light_patch(PatchId patch, Rgb* row) const {
     const Facet& facet = patches_.facets[patches_.facet_of[patch]];
     const CellCorners cell = cell_corners(facet, patches_.cell_of(patch));
     for (const PlacedRange& range : placed_ranges(animation_.objects[facet.object], frames_)) {
-      Receiver receiver{place(facet, *range.pose), cell, patch};
+      Receiver receiver{place(facet, *range.pose), {}, cell, patch};
+      receiver.roughness = roughness_of(receiver.placed, facet.is_triangle);
       if (patches_.is_back(patch)) receiver.placed.normal = -receiver.placed.normal;
       for (const WindowLight& light : lights_) {
         if (light.facet == patches_.facet_of[patch])
           continue;  // flat: rounding alone puts it in its own sight
-        for (const PlacedLight& pose : light.poses) {
-          const std::uint32_t first = std::max(range.first_slot, pose.placed.first_slot);
-          const std::uint32_t last = std::min(range.last_slot, pose.placed.last_slot);
-          if (first <= last) add_light(receiver, light, pose, first, last, row);
+        for (const LightPose& pose : light.poses) {
+          std::uint32_t first = std::max(range.first_slot, pose.placed.first_slot);
+          std::uint32_t last = std::min(range.last_slot, pose.placed.last_slot);
+          if (narrow_to_lit(light.lit, first, last)) add_light(receiver, light, pose, first, last, row);
         }
       }
     }
@@ -90,6 +61,7 @@ class WindowLighter {
  private:
   struct Receiver {
     PlacedFacet placed;
+    Roughness roughness;
     CellCorners cell;
     PatchId patch;
   };
@@ -109,9 +81,11 @@ class WindowLighter {
     });
   }
 
-  void add_light(const Receiver& receiver, const WindowLight& light, const PlacedLight& pose,
+  void add_light(const Receiver& receiver, const WindowLight& light, const LightPose& pose,
                  std::uint32_t first, std::uint32_t last, Rgb* row) const {
     if (!may_see(receiver, pose)) return;
+    const Vec3 off_patch = clearance_m(receiver.roughness, pose.roughness) * receiver.placed.normal;
+    const Vec3 off_light = clearance_m(pose.roughness, receiver.roughness) * pose.placed.normal;
     const std::uint64_t stream = (std::uint64_t{receiver.patch} << 32) | light.facet;
     const std::uint64_t seed = stream_seed(options_.seed, stream);
     float unblocked = 0;        // sum of F V over the samples, moving surfaces left out
@@ -126,7 +100,8 @@ class WindowLighter {
       if (factor <= 0) continue;
       const float third = static_cast<float>(mix(seed + s) >> 40) * 0x1p-24f;
       const Vec3 on_light = sample_light(pose, on_patch, receiver.placed.normal, c, d, third);
-      const Ray ray = shadow_ray(on_patch, receiver.placed.normal, on_light, pose.placed.normal);
+      const Vec3 start = on_patch + off_patch, end = on_light + off_light;
+      const Ray ray{start, end - start, 0.0f, 1.0f};
       if (static_rays_.occluded(ray)) continue;
       unblocked += factor;
       const SlotMask mask = first == last ? blocked_in(ray, first) : moving_rays_.blocked(ray);
@@ -144,12 +119,6 @@ class WindowLighter {
     }
   }
 
-  Ray shadow_ray(Vec3 from, Vec3 from_normal, Vec3 to, Vec3 to_normal) const {
-    const Vec3 start = from + off_surface_m_ * from_normal;
-    const Vec3 end = to + off_surface_m_ * to_normal;
-    return {start, end - start, 0.0f, 1.0f};
-  }
-
   SlotMask blocked_in(const Ray& ray, std::uint32_t slot) const {
     SlotMask mask;
     if (moving_rays_.occluded(ray, slot)) mask.set(slot, slot);
@@ -163,7 +132,6 @@ class WindowLighter {
   const std::span<const FrameIndex> frames_;
   const DirectOptions& options_;
   const std::vector<WindowLight> lights_;
-  float off_surface_m_ = 0;
 };
 
 }  // namespace

@@ -24,9 +24,9 @@ struct DirectOptions {
 ///     H = E mean_s F(x_s) V(x_s, y_s)
 ///
 /// F is the closed form factor from x to the light, so that an unobstructed light has no noise but that of x;
-/// V is a shadow ray. Static surfaces answer once for all frames, moving ones with one query that says in
-/// which frames they block. The same points in every frame: what noise there is does not flicker.
-/// y is chosen nearly in proportion to its contribution (sample_light).
+/// V is a shadow ray, a hair off the surfaces at both ends (clearance_m). Static surfaces answer once for all
+/// frames, moving ones with one query that says in which frames they block. The same points in every frame:
+/// what noise there is does not flicker. y is chosen nearly in proportion to its contribution (sample_light).
 /// Patches of an object that is not there in a frame get 0.
 /// Error: stopped.
 api::Result<PatchSeries> direct_light(const Patches& patches, const Animation& animation,
