@@ -69,6 +69,7 @@ HttpRules http_rules(const Config& config) {
   HttpRules rules;
   rules.host = config.host;
   rules.port = config.port;
+  rules.this_machine_only = is_loopback(config.host);
   rules.upload.total_bytes = config.upload_bytes_max;
   return rules;
 }

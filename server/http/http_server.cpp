@@ -15,6 +15,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/http/origin.h"
 #include "server/http/problem.h"
 #include "server/http/routes.h"
 #include "server/log.h"
@@ -226,8 +227,13 @@ struct HttpServer::Library {
     using Handled = httplib::Server::HandlerResponse;
     server.set_pre_routing_handler([this](const auto& request, auto& response) {
       take_over(request);
-      if (is_upload(request)) return Handled::Unhandled;
-      send(router.answer(request_of(request)), stopping, response);
+      const HttpRequest ours = request_of(request);
+      if (const auto refused = refuse_stranger(ours, rules.this_machine_only))
+        send(*refused, stopping, response);
+      else if (is_upload(request))
+        return Handled::Unhandled;
+      else
+        send(router.answer(ours), stopping, response);
       return Handled::Handled;
     });
     server.Post(std::string(kUploadPath), [this](const auto& request, auto& response, const auto& reader) {
@@ -236,7 +242,9 @@ struct HttpServer::Library {
     server.set_expect_100_continue_handler([this](const auto& request, auto& response) {
       if (!is_upload(request)) return 100;
       take_over(request);
-      const auto refused = refuse_upload_early(request_of(request), folder, rules.upload);
+      const HttpRequest ours = request_of(request);
+      auto refused = refuse_stranger(ours, rules.this_machine_only);
+      if (!refused) refused = refuse_upload_early(ours, folder, rules.upload);
       if (!refused) return 100;
       send(*refused, stopping, response);
       return refused->status;

@@ -16,7 +16,8 @@ namespace server {
 
 struct HttpRules {
   std::string host = "127.0.0.1";
-  int port = 8080;  ///< 0: any free one
+  int port = 8080;                ///< 0: any free one
+  bool this_machine_only = true;  ///< `host` is a loopback address: see refuse_stranger
   UploadLimits upload;
   // A connection holds a thread as long as it is open: the number of threads is the number of clients at
   // once. All are there from the start, because the library's pool does not grow in a burst.

@@ -35,7 +35,7 @@ Json links_of(const Job& job) {
   if (job.state == JobState::queued || job.state == JobState::running)
     links["cancel"] = path_of(job, "/cancel");
   if (job.attempt > 0) links["log"] = path_of(job, "/log");
-  if (!job.report.empty()) links["report"] = path_of(job, "/report.json");
+  if (job.has_report) links["report"] = path_of(job, "/report.json");
   if (job.state == JobState::succeeded) {
     links["key_frames"] = path_of(job, "/key-frames");
     links["frames"] = path_of(job, "/frames");

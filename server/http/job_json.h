@@ -10,7 +10,7 @@ namespace server {
 
 /// components/schemas/Job
 std::string job_json(const Job& job);
-/// components/schemas/JobList
+/// components/schemas/JobList; without the `errors` of failed jobs
 std::string job_page_json(const JobPage& page);
 
 /// Where the pictures of one frame lie, from the paths of the artefacts.

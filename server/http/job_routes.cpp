@@ -31,18 +31,23 @@ HttpAnswer list_jobs(JobService& jobs, const HttpRequest& request) {
   if (const auto given = request.parameter("limit")) {
     const auto number = whole_number(*given);
     if (!number || *number < 1 || *number > kPageMax)
-      return problem(400, "limit must be a whole number from 1 to " + std::to_string(kPageMax), request.path);
+      return bad_parameter("limit", "out_of_range",
+                           "limit must be a whole number from 1 to " + std::to_string(kPageMax),
+                           request.path);
     limit = *number;
   }
   std::optional<std::int64_t> before;
   if (const auto cursor = request.parameter("cursor")) {
     before = whole_number(*cursor);
-    if (!before || *before < 1) return problem(400, "cursor is not one that a page has given", request.path);
+    if (!before || *before < 1)
+      return bad_parameter("cursor", "unknown_value", "cursor is not one that a page has given",
+                           request.path);
   }
   std::optional<api::JobState> state;
   if (const auto name = request.parameter("state")) {
     state = api::job_state_named(*name);
-    if (!state) return problem(400, "there is no such state of a job", request.path);
+    if (!state)
+      return bad_parameter("state", "unknown_value", "there is no such state of a job", request.path);
   }
   const auto page = jobs.list(state, before, limit);
   return page ? json_answer(job_page_json(*page)) : problem(page.error(), request.path);
@@ -70,8 +75,8 @@ HttpAnswer delete_job(JobService& jobs, const HttpRequest& request, const PathVa
 }
 
 HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_view path) {
-  if (refusal.status == 0 || refusal.status == 422) return problem(refusal.error, path);
-  return problem(refusal.status, refusal.error.message, path);
+  if (refusal.status == 0) return problem(refusal.error, path);
+  return problem(refusal.status, refusal.error, path);
 }
 
 }  // namespace

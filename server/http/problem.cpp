@@ -13,6 +13,7 @@ constexpr std::string_view kRetryAfterSeconds = "30";
 
 constexpr std::array kTitles{
     std::pair{400, std::string_view("Bad Request")},
+    std::pair{403, std::string_view("Forbidden")},
     std::pair{404, std::string_view("Not Found")},
     std::pair{405, std::string_view("Method Not Allowed")},
     std::pair{408, std::string_view("Request Timeout")},
@@ -23,6 +24,7 @@ constexpr std::array kTitles{
     std::pair{415, std::string_view("Unsupported Media Type")},
     std::pair{416, std::string_view("Range Not Satisfiable")},
     std::pair{417, std::string_view("Expectation Failed")},
+    std::pair{421, std::string_view("Misdirected Request")},
     std::pair{422, std::string_view("Unprocessable Content")},
     std::pair{431, std::string_view("Request Header Fields Too Large")},
     std::pair{500, std::string_view("Internal Server Error")},
@@ -75,6 +77,18 @@ HttpAnswer problem(const api::Error& error, std::string_view instance) {
 HttpAnswer problem(int status, std::string_view detail, std::string_view instance) {
   const api::Fault fault = status == 404 ? api::Fault::not_found : api::Fault::invalid_request;
   return problem_answer({fault, std::string(detail)}, status, instance);
+}
+
+HttpAnswer problem(int status, const api::Error& error, std::string_view instance) {
+  return problem_answer(error, status, instance);
+}
+
+HttpAnswer bad_parameter(std::string_view name, std::string_view code, std::string_view detail,
+                         std::string_view instance) {
+  return problem_answer({api::Fault::invalid_request,
+                         std::string(detail),
+                         {{std::string(name), "", 0, 0, std::string(code), std::string(detail)}}},
+                        400, instance);
 }
 
 std::string_view title_of(int status) {

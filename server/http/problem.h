@@ -14,6 +14,13 @@ HttpAnswer problem(const api::Error& error, std::string_view instance);
 /// For what HTTP itself is about: 400, 405, 413, 415, 416, ...
 HttpAnswer problem(int status, std::string_view detail, std::string_view instance);
 
+/// The same with the places to fix.
+HttpAnswer problem(int status, const api::Error& error, std::string_view instance);
+
+/// 400 for a parameter of the query, which `errors` names.
+HttpAnswer bad_parameter(std::string_view name, std::string_view code, std::string_view detail,
+                         std::string_view instance);
+
 /// "Not Found" for 404.
 std::string_view title_of(int status);
 

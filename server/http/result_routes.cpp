@@ -58,14 +58,20 @@ api::Result<std::uint32_t> frame_of(const Job& job, const PathValues& values) {
   return frame;
 }
 
+/// The pictures of one frame.
+api::Result<FrameImages> images_of(JobService& jobs, const Job& job, std::uint32_t frame) {
+  const auto artefacts = jobs.artefacts(job, image_path("*", frame, "*"));
+  if (!artefacts) return artefacts.error();
+  return images_by_frame(*artefacts, job.frame_count)[frame];
+}
+
 /// The camera asked for, or the only one.
 api::Result<std::string> camera_of(JobService& jobs, const Job& job, const HttpRequest& request,
                                    std::uint32_t frame) {
   if (auto given = request.parameter("camera")) return *given;
-  const auto artefacts = jobs.artefacts(job);
-  if (!artefacts) return artefacts.error();
-  const auto images = images_by_frame(*artefacts, job.frame_count);
-  const auto& cameras = images[frame].cameras;
+  const auto images = images_of(jobs, job, frame);
+  if (!images) return images.error();
+  const auto& cameras = images->cameras;
   if (cameras.empty()) return api::Error{api::Fault::not_found, "the job has no such picture"};
   if (cameras.size() == 1) return cameras.front().name;
   std::string names;
@@ -80,7 +86,7 @@ HttpAnswer image(JobService& jobs, const Job& job, const HttpRequest& request, c
   if (!frame) return problem(frame.error(), request.path);
   const auto camera = camera_of(jobs, job, request, *frame);
   if (!camera && camera.error().fault == api::Fault::invalid_request)
-    return problem(400, camera.error().message, request.path);
+    return bad_parameter("camera", "missing", camera.error().message, request.path);
   if (!camera) return problem(camera.error(), request.path);
   return artefact_answer(jobs, job, request, image_path(*camera, *frame, extension));
 }
@@ -125,10 +131,9 @@ HttpAnswer get_frame(JobService& jobs, const Job& job, const HttpRequest& reques
   if (const api::Status here = must_have_results(job); !here) return problem(here.error(), request.path);
   const auto frames = jobs.frames(job);
   if (!frames) return problem(frames.error(), request.path);
-  const auto artefacts = jobs.artefacts(job);
-  if (!artefacts) return problem(artefacts.error(), request.path);
-  return json_answer(
-      frame_json(job, (*frames)[*frame], images_by_frame(*artefacts, job.frame_count)[*frame]));
+  const auto images = images_of(jobs, job, *frame);
+  if (!images) return problem(images.error(), request.path);
+  return json_answer(frame_json(job, (*frames)[*frame], *images));
 }
 
 /// GET .../report.json, operationId getReport.

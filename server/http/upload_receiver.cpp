@@ -16,6 +16,7 @@ namespace server {
 namespace {
 
 constexpr std::size_t kNameBytesMax = 200;
+constexpr std::size_t kShownBytesMax = 64;  // of a name that means nothing to us
 constexpr std::array<std::string_view, 2> kReservedNames{"scene.obj", "animation.json"};
 
 struct Field {
@@ -62,21 +63,23 @@ bool UploadReceiver::refuse(Refusal refusal) {
   return false;
 }
 
-bool UploadReceiver::refuse_part(std::string_view file, std::string_view code, std::string detail) {
+bool UploadReceiver::refuse_part(std::string_view part, std::string_view code, std::string detail,
+                                 int status) {
   const std::string message = "the upload is refused: " + detail;
-  return refuse({422,
+  return refuse({status,
                  {api::Fault::invalid_request,
                   message,
-                  {{std::string(file), "", 0, 0, std::string(code), std::move(detail)}}}});
+                  {{std::string(part), "", 0, 0, std::string(code), std::move(detail)}}}});
 }
 
 std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::string_view file_name) {
   const auto known =
       std::find_if(kFields.begin(), kFields.end(), [&](const Field& f) { return f.name == field; });
   if (known == kFields.end()) {
-    refuse_part("", "unknown_part",
-                "there is no part '" + std::string(field.substr(0, 64)) +
-                    "'; known are scene, materials, textures, animation");
+    const std::string_view shown = field.substr(0, kShownBytesMax);
+    refuse_part(
+        shown, "unknown_part",
+        "there is no part '" + std::string(shown) + "'; known are scene, materials, textures, animation");
     return std::nullopt;
   }
   if (!known->stored_as.empty()) return InputFile{std::string(known->stored_as), known->role, 0};
@@ -85,7 +88,7 @@ std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::
       name && std::any_of(kReservedNames.begin(), kReservedNames.end(),
                           [&](std::string_view other) { return same_ignoring_case(*name, other); });
   if (!name || reserved) {
-    refuse_part("", "bad_name",
+    refuse_part(field, "bad_name",
                 "a part '" + std::string(field) + "' needs a file name of its own, such as room.mtl");
     return std::nullopt;
   }
@@ -102,8 +105,8 @@ bool UploadReceiver::has_room_for(const InputFile& input) {
                            : input.role == InputRole::texture ? limits_.textures
                                                               : 1;
   if (of_role >= most)
-    return refuse(
-        {413, {api::Fault::invalid_request, "more than " + std::to_string(most) + " parts of one kind"}});
+    return refuse_part(input.name, "too_many", "more than " + std::to_string(most) + " parts of one kind",
+                       413);
   return true;
 }
 
@@ -129,13 +132,11 @@ bool UploadReceiver::take(std::string_view bytes) {
   input.bytes += static_cast<std::int64_t>(bytes.size());
   total_bytes_ += static_cast<std::int64_t>(bytes.size());
   if (total_bytes_ > limits_.total_bytes)
-    return refuse({413,
-                   {api::Fault::invalid_request,
-                    "the upload is larger than " + std::to_string(limits_.total_bytes) + " bytes"}});
+    return refuse_part(input.name, "too_large",
+                       "the upload is larger than " + std::to_string(limits_.total_bytes) + " bytes", 413);
   if (input.role == InputRole::animation && input.bytes > limits_.animation_bytes)
-    return refuse({413,
-                   {api::Fault::invalid_request,
-                    "animation is larger than " + std::to_string(limits_.animation_bytes) + " bytes"}});
+    return refuse_part(input.name, "too_large",
+                       "animation is larger than " + std::to_string(limits_.animation_bytes) + " bytes", 413);
   if (const api::Status written = write_all(file_, bytes); !written) return refuse({0, written.error()});
   return true;
 }

@@ -47,7 +47,7 @@ class UploadReceiver {
 
  private:
   bool refuse(Refusal refusal);
-  bool refuse_part(std::string_view file, std::string_view code, std::string detail);
+  bool refuse_part(std::string_view part, std::string_view code, std::string detail, int status = 422);
   bool open_file();
   bool close_file();
   std::optional<InputFile> input_for(std::string_view field, std::string_view file_name);

@@ -4,13 +4,14 @@
 #include "api/json/reader.h"
 #include "server/artefacts/files.h"
 #include "server/artefacts/verify.h"
+#include "server/log.h"
 
 namespace server {
 namespace {
 
 constexpr std::int64_t kManifestBytesMax = 64 << 20;
 constexpr std::int64_t kKeyFramesBytesMax = 8 << 20;
-constexpr std::int64_t kReportBytesMax = 1 << 20;
+constexpr std::int64_t kReportBytesMax = 8 << 20;  // as much as api::parse_json takes
 constexpr std::size_t kArtefactsMax = 100'000;
 constexpr std::size_t kPathBytesMax = 512;
 constexpr std::size_t kMediaTypeBytesMax = 100;
@@ -111,10 +112,14 @@ api::Result<Results> collect_results(const std::filesystem::path& job_folder, st
 }
 
 api::JobReport read_report(const std::filesystem::path& job_folder) {
+  const auto dropped = [&](const api::Error& error) {
+    log_line(job_folder.filename().string() + ": its report is dropped: " + error.message);
+    return api::JobReport{};
+  };
   const auto bytes = read_below(job_folder, "report.json", kReportBytesMax);
-  if (!bytes) return {};
+  if (!bytes) return bytes.error().fault == api::Fault::not_found ? api::JobReport{} : dropped(bytes.error());
   auto report = api::parse_job_report(*bytes);
-  return report ? std::move(*report) : api::JobReport{};
+  return report ? std::move(*report) : dropped(report.error());
 }
 
 }  // namespace server

@@ -68,7 +68,10 @@ class JobService {
 
   // Results, for reading.
   api::Result<ArtefactFile> artefact(const Job& job, std::string_view path);
-  api::Result<std::vector<ArtefactFile>> artefacts(const Job& job) { return store_.artefacts(job.seq); }
+  /// Those whose path fits `glob`, in which * stands for anything.
+  api::Result<std::vector<ArtefactFile>> artefacts(const Job& job, std::string_view glob = "*") {
+    return store_.artefacts(job.seq, glob);
+  }
   /// One record per frame of a job that has succeeded. Errors: not_found where it was removed meanwhile.
   api::Result<std::vector<api::FrameRecord>> frames(const Job& job);
   std::filesystem::path folder_of(const Job& job) const { return folder_.job(job.id); }

@@ -84,7 +84,7 @@ api::Result<JobState> JobStore::record_progress(const Lease& lease, const api::P
 }
 
 api::Result<Job> JobStore::leased_job_locked(const Lease& lease) {
-  Statement select = database_.prepare(std::string(kJobColumns) +
+  Statement select = database_.prepare(select_jobs(Reports::read) +
                                        "WHERE seq = ? AND lease = ? "
                                        "AND state IN ('running', 'cancel_requested')");
   select.bind(lease.job_seq).bind(lease.token);
@@ -189,7 +189,7 @@ api::Result<std::int64_t> JobStore::count_attempts(std::int64_t job_seq, std::st
 api::Result<std::vector<Orphan>> JobStore::orphans() {
   const std::lock_guard lock(mutex_);
   std::vector<Orphan> orphans;
-  Statement jobs = database_.prepare(std::string(kJobColumns) +
+  Statement jobs = database_.prepare(select_jobs(Reports::left_out) +
                                      "WHERE state IN ('running', 'cancel_requested') ORDER BY seq");
   while (jobs.next()) orphans.push_back({read_job(jobs), {}, std::nullopt});
   if (const api::Status ok = jobs.status(); !ok) return ok.error();

@@ -96,11 +96,11 @@ api::Result<std::vector<Event>> JobStore::events(std::int64_t job_seq) {
   return events;
 }
 
-api::Result<std::vector<ArtefactFile>> JobStore::artefacts(std::int64_t job_seq) {
+api::Result<std::vector<ArtefactFile>> JobStore::artefacts(std::int64_t job_seq, std::string_view glob) {
   const std::lock_guard lock(mutex_);
   Statement select = database_.prepare(
-      "SELECT path, media_type, bytes, sha256 FROM artefact WHERE job_seq = ? ORDER BY path");
-  select.bind(job_seq);
+      "SELECT path, media_type, bytes, sha256 FROM artefact WHERE job_seq = ? AND path GLOB ? ORDER BY path");
+  select.bind(job_seq).bind(glob);
   std::vector<ArtefactFile> files;
   while (select.next()) files.push_back(read_artefact(select));
   if (const api::Status ok = select.status(); !ok) return ok.error();

@@ -52,6 +52,13 @@ std::optional<api::FrameKind> frame_kind_named(std::string_view name) {
   return value_in(kFrameKinds, name);
 }
 
+std::string select_jobs(Reports reports) {
+  const std::string report = reports == Reports::read ? "coalesce(report, '')" : "''";
+  return "SELECT seq, id, name, state, reason, message, frame_count, fps, stage, stage_fraction, fraction, "
+         "attempt, attempts_without_progress, key_frame_count, report IS NOT NULL, " +
+         report + ", version, created_ms, updated_ms, started_ms, finished_ms FROM job ";
+}
+
 Job read_job(const Statement& row) {
   Job job;
   int column = 0;
@@ -71,6 +78,7 @@ Job read_job(const Statement& row) {
   job.attempts_without_progress = static_cast<std::uint32_t>(row.integer(column++));
   if (const auto count = row.optional_integer(column++))
     job.key_frame_count = static_cast<std::uint32_t>(*count);
+  job.has_report = row.integer(column++) != 0;
   job.report = row.text(column++);
   job.version = row.integer(column++);
   job.created_ms = row.integer(column++);

@@ -43,8 +43,9 @@ struct Job {
   std::uint32_t attempt = 0;
   std::uint32_t attempts_without_progress = 0;
   std::optional<std::uint32_t> key_frame_count;  ///< solved frames; none before the job has succeeded
-  std::string report;                            ///< the worker's last report as JSON, or empty
-  std::int64_t version = 1;                      ///< counts every change
+  bool has_report = false;
+  std::string report;        ///< the worker's last report as JSON; empty in lists
+  std::int64_t version = 1;  ///< counts every change
   std::int64_t created_ms = 0;
   std::int64_t updated_ms = 0;
   std::optional<std::int64_t> started_ms;

@@ -88,7 +88,7 @@ api::Result<Job> JobStore::insert(const NewJob& job) {
 }
 
 api::Result<Job> JobStore::job_locked(std::string_view id) {
-  Statement select = database_.prepare(std::string(kJobColumns) + "WHERE id = ? AND removing = 0");
+  Statement select = database_.prepare(select_jobs(Reports::read) + "WHERE id = ? AND removing = 0");
   select.bind(id);
   if (select.next()) return read_job(select);
   if (const api::Status ok = select.status(); !ok) return ok.error();
@@ -103,7 +103,7 @@ api::Result<Job> JobStore::job(std::string_view id) {
 api::Result<std::vector<Job>> JobStore::list(std::optional<JobState> state,
                                              std::optional<std::int64_t> before_seq, std::int64_t limit) {
   const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(std::string(kJobColumns) + "WHERE removing = 0 AND seq < ?" +
+  Statement select = database_.prepare(select_jobs(Reports::left_out) + "WHERE removing = 0 AND seq < ?" +
                                        (state ? " AND state = ?" : "") + " ORDER BY seq DESC LIMIT ?");
   select.bind(before_seq.value_or(INT64_MAX));
   if (state) select.bind(api::name_of(*state));

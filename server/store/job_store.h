@@ -75,7 +75,7 @@ class JobStore {
   api::Result<std::vector<InputFile>> inputs(std::int64_t job_seq);
   api::Result<std::vector<Attempt>> attempts(std::int64_t job_seq);
   api::Result<std::vector<Event>> events(std::int64_t job_seq);
-  api::Result<std::vector<ArtefactFile>> artefacts(std::int64_t job_seq);
+  api::Result<std::vector<ArtefactFile>> artefacts(std::int64_t job_seq, std::string_view glob = "*");
   api::Result<ArtefactFile> artefact(std::int64_t job_seq, std::string_view path);
   api::Result<std::vector<api::FrameRecord>> frames(std::int64_t job_seq);
 

@@ -1,6 +1,7 @@
 // Rows <-> structs, for the store's own use.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "server/store/job_rows.h"
@@ -8,13 +9,11 @@
 
 namespace server {
 
-/// The columns that read_job expects, to be followed by FROM job ...
-inline constexpr std::string_view kJobColumns =
-    "SELECT seq, id, name, state, reason, message, frame_count, fps, stage, stage_fraction, fraction, "
-    "attempt, "
-    "attempts_without_progress, "
-    "key_frame_count, coalesce(report, ''), version, created_ms, updated_ms, started_ms, finished_ms FROM "
-    "job ";
+enum class Reports { read, left_out };
+
+/// SELECT what read_job expects FROM job, to be followed by WHERE ... Lists leave out the reports, which take
+/// up to megabytes each.
+std::string select_jobs(Reports reports);
 
 Job read_job(const Statement& row);
 

@@ -79,17 +79,18 @@ class Rejected(ServiceTestCase):
         url = self.running.url + "/v1/jobs"
         job = write_job(self.folder / "job", frames=2)
         scene, animation = f"scene=@{job / 'scene.obj'}", f"animation=@{job / 'animation.json'}"
-        for what, arguments, allowed in (
-                ("no scene", ["-F", animation], (400, 422)),
-                ("no animation", ["-F", scene], (400, 422)),
-                ("scene twice", ["-F", scene, "-F", scene, "-F", animation], (400, 422)),
-                ("an unknown part", ["-F", scene, "-F", animation, "-F", "else=1"], (400, 422)),
-                ("JSON instead of parts", ["-H", "Content-Type: application/json", "-d", "{}"], (415,)),
-                ("no body", ["-X", "POST"], (400, 411, 415))):
+        for what, arguments, status, errors in (
+                ("no scene", ["-F", animation], 422, [("scene.obj", "missing")]),
+                ("no animation", ["-F", scene], 422, [("animation.json", "missing")]),
+                ("scene twice", ["-F", scene, "-F", scene, "-F", animation], 422, [("scene.obj", "duplicate_part")]),
+                ("an unknown part", ["-F", scene, "-F", animation, "-F", "else=1"], 422, [("else", "unknown_part")]),
+                ("JSON instead of parts", ["-H", "Content-Type: application/json", "-d", "{}"], 415, []),
+                ("no body", ["-X", "POST"], 415, [])):
             with self.subTest(what):
                 answer = curl(url, *arguments)
-                self.assertIn(answer.status, allowed, answer.body.decode(errors="replace"))
+                self.assertEqual(answer.status, status, answer.body.decode(errors="replace"))
                 self.assertEqual(answer.headers["content-type"], "application/problem+json")
+                self.assertEqual([(error["file"], error["code"]) for error in answer.json()["errors"]], errors)
                 self.assertEqual(self.files(), [])
         self.expect_the_queue_goes_on()
 

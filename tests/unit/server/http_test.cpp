@@ -166,7 +166,9 @@ class UploadTest : public ServiceTest {
     }
     const auto& refusal = *receiver.refusal();
     return std::to_string(refusal.status) +
-           (refusal.error.violations.empty() ? "" : " " + refusal.error.violations[0].code);
+           (refusal.error.violations.empty()
+                ? ""
+                : " " + refusal.error.violations[0].code + " " + refusal.error.violations[0].file);
   }
 };
 
@@ -191,15 +193,15 @@ TEST_F(UploadTest, TakesTheFourKindsOfPartsUnderTheirNames) {
 
 TEST_F(UploadTest, RefusesWrongPartsAndLeavesNothing) {
   EXPECT_EQ(outcome({kScene, kAnimation}), "");
-  EXPECT_EQ(outcome({kAnimation}), "422 missing");
-  EXPECT_EQ(outcome({kScene}), "422 missing");
-  EXPECT_EQ(outcome({}), "422 missing");
-  EXPECT_EQ(outcome({kScene, kScene, kAnimation}), "422 duplicate_part");
-  EXPECT_EQ(outcome({{"scenery", "a", "b"}}), "422 unknown_part");
+  EXPECT_EQ(outcome({kAnimation}), "422 missing scene.obj");
+  EXPECT_EQ(outcome({kScene}), "422 missing animation.json");
+  EXPECT_EQ(outcome({}), "422 missing scene.obj");
+  EXPECT_EQ(outcome({kScene, kScene, kAnimation}), "422 duplicate_part scene.obj");
+  EXPECT_EQ(outcome({{"scenery", "a", "b"}}), "422 unknown_part scenery");
   EXPECT_EQ(outcome({kScene, kAnimation, {"materials", "a.mtl", ""}, {"materials", "b/A.MTL", ""}}),
-            "422 duplicate_part");
+            "422 duplicate_part A.MTL");
   for (const char* name : {"", "..", "scene.obj", "Animation.JSON", "a\x01.mtl"})
-    EXPECT_EQ(outcome({kScene, kAnimation, {"materials", name, ""}}), "422 bad_name") << name;
+    EXPECT_EQ(outcome({kScene, kAnimation, {"materials", name, ""}}), "422 bad_name materials") << name;
   EXPECT_TRUE(std::filesystem::is_empty(folder_->uploads()));
 }
 
@@ -207,11 +209,12 @@ TEST_F(UploadTest, RefusesWhatIsTooLargeOrTooMany) {
   limits_.total_bytes = 100;
   limits_.animation_bytes = 10;
   limits_.textures = 2;
-  EXPECT_EQ(outcome({{"scene", "", std::string(101, 'v')}}), "413");
+  EXPECT_EQ(outcome({{"scene", "", std::string(101, 'v')}}), "413 too_large scene.obj");
   EXPECT_EQ(outcome({{"scene", "", std::string(98, 'v')}, kAnimation}), "") << "exactly at the limit";
-  EXPECT_EQ(outcome({{"scene", "", std::string(98, 'v')}, {"animation", "", "{ }"}}), "413");
-  EXPECT_EQ(outcome({kScene, {"animation", "", std::string(11, ' ')}}), "413");
-  EXPECT_EQ(outcome({{"textures", "1", ""}, {"textures", "2", ""}, {"textures", "3", ""}}), "413");
+  EXPECT_EQ(outcome({{"scene", "", std::string(98, 'v')}, {"animation", "", "{ }"}}),
+            "413 too_large animation.json");
+  EXPECT_EQ(outcome({kScene, {"animation", "", std::string(11, ' ')}}), "413 too_large animation.json");
+  EXPECT_EQ(outcome({{"textures", "1", ""}, {"textures", "2", ""}, {"textures", "3", ""}}), "413 too_many 3");
   EXPECT_TRUE(std::filesystem::is_empty(folder_->uploads()));
 }
 
@@ -234,6 +237,46 @@ TEST_F(ServiceTest, EveryRouteIsInTheContractAndTheReverse) {
       theirs.insert(upper + " " + path);
     }
   EXPECT_EQ(ours, theirs);
+}
+
+TEST_F(ServiceTest, ABadParameterIsNamed) {
+  Router router;
+  add_job_routes(router, *jobs_);
+  for (const auto& [name, value] : {std::pair{"limit", "0"}, {"cursor", "x"}, {"state", "asleep"}}) {
+    HttpRequest request = get("/v1/jobs");
+    request.query = {{name, value}};
+    const HttpAnswer answer = router.answer(request);
+    EXPECT_EQ(answer.status, 400);
+    const auto document = api::parse_json(answer.body, "answer");
+    ASSERT_TRUE(document && document->at("errors").size() == 1) << answer.body;
+    EXPECT_EQ(document->at("errors")[0].at("file"), name);
+  }
+}
+
+TEST_F(ServiceTest, AListTellsOfReportsWithoutReadingThem) {
+  const Job submitted = submit();
+  ASSERT_TRUE(store_->fail(claim().lease, {"invalid_input", "no"}, {}, "{\"outcome\":\"failed\"}"));
+  const auto page = jobs_->list(std::nullopt, std::nullopt, 10);
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->jobs.at(0).report, "");
+  EXPECT_NE(job_page_json(*page).find("/v1/jobs/" + submitted.id + "/report.json"), std::string::npos);
+  EXPECT_NE(job(submitted.id).report, "");
+}
+
+TEST_F(ServiceTest, APictureIsFoundWithoutReadingAllFilesOfAJob) {
+  const Job submitted = submit();
+  Results results;
+  for (const char* path : {"images/a/0001.exr", "images/a/0001.png", "images/a/0002.png", "radiosity.npy"})
+    results.artefacts.push_back({path, "image/png", 1, std::string(64, 'a')});
+  for (api::FrameIndex frame = 0; frame < 3; ++frame)
+    results.key_frames.frames.push_back({frame, api::FrameKind::key, 0.0});
+  ASSERT_TRUE(store_->succeed(claim().lease, results, ""));
+  EXPECT_EQ(jobs_->artefacts(job(submitted.id), image_path("*", 1, "*"))->size(), 2u);
+  write_text(jobs_->folder_of(submitted) / "artefacts/images/a/0001.png", "x");
+  Router router;
+  add_result_routes(router, *jobs_);
+  EXPECT_EQ(router.answer(get("/v1/jobs/" + submitted.id + "/frames/1/image.png")).status, 200);
+  EXPECT_EQ(router.answer(get("/v1/jobs/" + submitted.id + "/frames/0/image.png")).status, 404);
 }
 
 /// Every $ref of the document, resolved in the document itself.

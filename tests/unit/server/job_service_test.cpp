@@ -292,6 +292,20 @@ TEST_F(JobServiceTest, TheFramesOfAJobRemovedMeanwhileAreNotFound) {
   EXPECT_EQ(frames.error().fault, Fault::not_found);
 }
 
+TEST_F(JobServiceTest, ViolationsAreNotLostInALongReport) {
+  const Job submitted = submit();
+  const Claim claimed = claim();
+  const std::vector<std::string> warnings(20'000, std::string(100, 'w'));
+  write_text(
+      jobs_->folder_of(submitted) / "report.json",
+      api::job_report_json({"failed", "no", {{"a.obj", "", 1, 2, "syntax", "no"}}, warnings, {}, {}, 0}));
+  ASSERT_TRUE(
+      jobs_->end_attempt(claimed.lease, {OutcomeKind::refused, "invalid_input", "refused", {2, {}}, ""}));
+  const auto report = api::parse_job_report(job(submitted.id).report);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->violations.size(), 1u);
+}
+
 TEST_F(JobServiceTest, OnlyAFinishedJobIsRemovedAndWithAllItsFiles) {
   const Job submitted = submit();
   EXPECT_EQ(jobs_->remove(submitted.id).error().fault, Fault::wrong_state);

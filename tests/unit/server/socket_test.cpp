@@ -104,7 +104,8 @@ class SocketTest : public ServiceTest {
            "\r\n--edge--\r\n";
   }
   static std::string upload_head(std::string_view more_headers) {
-    return "POST /v1/jobs HTTP/1.1\r\nHost: x\r\nContent-Type: multipart/form-data; boundary=edge\r\n" +
+    return "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Type: multipart/form-data; "
+           "boundary=edge\r\n" +
            std::string(more_headers) + "\r\n";
   }
   static std::string chunked(std::string_view body, std::size_t piece_bytes) {
@@ -165,14 +166,14 @@ TEST_F(SocketTest, ABrokenOrUnfinishedBodyLeavesNothing) {
 TEST_F(SocketTest, ARequestWithoutABodyIsAnsweredAtOnceAndTheNextOneOnTheSameConnectionToo) {
   Connection connection(http_->port());
   const auto start = std::chrono::steady_clock::now();
-  connection.say("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+  connection.say("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(connection.status(), 200);
   const Job submitted = submit();
-  connection.say("POST /v1/jobs/" + submitted.id + "/cancel HTTP/1.1\r\nHost: x\r\n\r\n");
+  connection.say("POST /v1/jobs/" + submitted.id + "/cancel HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(connection.status(), 202);
-  connection.say("DELETE /v1/jobs/" + submitted.id + " HTTP/1.1\r\nHost: x\r\n\r\n");
+  connection.say("DELETE /v1/jobs/" + submitted.id + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(connection.status(), 204);
-  connection.say("GET /version HTTP/1.1\r\nHost: x\r\n\r\n");
+  connection.say("GET /version HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(connection.status(), 200);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
 }
@@ -182,7 +183,7 @@ TEST_F(SocketTest, TwentyConnectionsThatStayOpenAreAllAnsweredAtOnce) {
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < 20; ++i) {
     connections.push_back(std::make_unique<Connection>(http_->port()));
-    connections.back()->say("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+    connections.back()->say("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
   }
   for (const auto& connection : connections) EXPECT_EQ(connection->status(), 200);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(1500))
@@ -216,7 +217,7 @@ TEST_F(SocketTest, UploadsNeverTakeTheLastThread) {
   for (int i = 0; i < 100 && !refused.starts_with("HTTP/1.1 503"); ++i) refused = ask(head + "x");
   EXPECT_TRUE(refused.starts_with("HTTP/1.1 503")) << refused;
   EXPECT_NE(refused.find("Retry-After: "), std::string::npos);
-  EXPECT_EQ(status_of("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n"), 200);
+  EXPECT_EQ(status_of("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"), 200);
   for (Connection* connection : {&first, &second}) {
     connection->say(body.substr(50));
     EXPECT_EQ(connection->status(), 202);
@@ -238,16 +239,17 @@ TEST_F(SocketTest, ARefusedUploadGivesItsConnectionBackAtOnce) {
 
 TEST_F(SocketTest, EveryRefusalIsAProblemDocument) {
   const std::string cases[]{
-      "GET /nowhere HTTP/1.1\r\nHost: x\r\n\r\n",
-      "PUT /v1/jobs HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n",
-      "BREW /v1/jobs HTTP/1.1\r\nHost: x\r\n\r\n",
-      "POST /v1/jobs HTTP/1.1\r\nHost: x\r\n\r\n",
-      "POST /v1/jobs HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 2\r\n\r\n{}",
-      "GET /v1/jobs?limit=0 HTTP/1.1\r\nHost: x\r\n\r\n",
-      "GET /v1/jobs?cursor=x HTTP/1.1\r\nHost: x\r\n\r\n",
-      "GET /v1/jobs?state=asleep HTTP/1.1\r\nHost: x\r\n\r\n",
-      "GET /healthz HTTP/1.1\r\nHost: x\r\nRange: lines=1-2\r\n\r\n",
-      "GET /" + std::string(9000, 'a') + " HTTP/1.1\r\nHost: x\r\n\r\n",
+      "GET /nowhere HTTP/1.1\r\nHost: localhost\r\n\r\n",
+      "PUT /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n",
+      "BREW /v1/jobs HTTP/1.1\r\nHost: localhost\r\n\r\n",
+      "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n\r\n",
+      "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: "
+      "2\r\n\r\n{}",
+      "GET /v1/jobs?limit=0 HTTP/1.1\r\nHost: localhost\r\n\r\n",
+      "GET /v1/jobs?cursor=x HTTP/1.1\r\nHost: localhost\r\n\r\n",
+      "GET /v1/jobs?state=asleep HTTP/1.1\r\nHost: localhost\r\n\r\n",
+      "GET /healthz HTTP/1.1\r\nHost: localhost\r\nRange: lines=1-2\r\n\r\n",
+      "GET /" + std::string(9000, 'a') + " HTTP/1.1\r\nHost: localhost\r\n\r\n",
   };
   for (const std::string& request : cases) {
     const std::string text = ask(request);
@@ -260,12 +262,46 @@ TEST_F(SocketTest, EveryRefusalIsAProblemDocument) {
 }
 
 TEST_F(SocketTest, ARequestIdIsGivenBackOnlyWhenItIsHarmless) {
-  EXPECT_NE(ask("GET /healthz HTTP/1.1\r\nHost: x\r\nX-Request-Id: my.id-1\r\n\r\n")
+  EXPECT_NE(ask("GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Request-Id: my.id-1\r\n\r\n")
                 .find("X-Request-Id: my.id-1\r\n"),
             std::string::npos);
-  EXPECT_EQ(ask("GET /healthz HTTP/1.1\r\nHost: x\r\nX-Request-Id: a%0d%0aSet-Cookie: b\r\n\r\n")
+  EXPECT_EQ(ask("GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Request-Id: a%0d%0aSet-Cookie: b\r\n\r\n")
                 .find("Set-Cookie"),
             std::string::npos);
+}
+
+TEST_F(SocketTest, ARequestForAnotherHostIsRefusedOnLoopback) {
+  for (const char* host : {"localhost", "LocalHost:8080", "127.0.0.1", "127.9.9.9:1", "[::1]", "[::1]:8080"})
+    EXPECT_EQ(status_of(std::string("GET /healthz HTTP/1.1\r\nHost: ") + host + "\r\n\r\n"), 200) << host;
+  for (const char* host : {"rebound.example", "localhost.example", "127.0.0.1.example:80", "128.0.0.1",
+                           "localhost:x", "[::2]", "[::1", "", "192.168.1.1:8080"})
+    EXPECT_EQ(status_of(std::string("GET /v1/jobs HTTP/1.1\r\nHost: ") + host + "\r\n\r\n"), 421) << host;
+  EXPECT_EQ(status_of("GET /healthz HTTP/1.1\r\n\r\n"), 200) << "no browser leaves it out";
+  stop();
+  http_rules_.this_machine_only = false;
+  start();
+  EXPECT_EQ(status_of("GET /healthz HTTP/1.1\r\nHost: render.example\r\n\r\n"), 200);
+}
+
+TEST_F(SocketTest, APageOfAnotherOriginMayChangeNothing) {
+  const std::string id = submit().id;
+  const auto cancel_from = [&](const std::string& origin) {
+    return status_of("POST /v1/jobs/" + id + "/cancel HTTP/1.1\r\nHost: localhost:8080\r\nOrigin: " + origin +
+                     "\r\n\r\n");
+  };
+  for (const char* origin : {"http://evil.example", "null", "http://localhost:9090", "localhost:8080"})
+    EXPECT_EQ(cancel_from(origin), 403) << origin;
+  EXPECT_EQ(job(id).state, api::JobState::queued);
+  EXPECT_EQ(status_of("DELETE /v1/jobs/" + id +
+                      " HTTP/1.1\r\nHost: localhost\r\nOrigin: http://evil.example\r\n\r\n"),
+            403);
+  const std::string body = upload_body("v 0 0 0");
+  const std::string length = "Content-Length: " + std::to_string(body.size()) + "\r\n";
+  EXPECT_EQ(status_of(upload_head("Origin: http://evil.example\r\n" + length) + body), 403);
+  EXPECT_EQ(jobs_->list(std::nullopt, std::nullopt, 10)->jobs.size(), 1u);
+  EXPECT_EQ(status_of("GET /v1/jobs HTTP/1.1\r\nHost: localhost\r\nOrigin: http://evil.example\r\n\r\n"), 200)
+      << "its browser keeps the answer from it";
+  EXPECT_EQ(cancel_from("http://localhost:8080"), 202);
 }
 
 TEST_F(SocketTest, ATakenPortIsNotShared) {
@@ -288,7 +324,7 @@ TEST_F(SocketTest, FilesOfAJobAreSentWholeInPartsAndNotAtAll) {
   for (api::FrameIndex frame = 0; frame < 3; ++frame)
     results.key_frames.frames.push_back({frame, api::FrameKind::key, 0.0});
   ASSERT_TRUE(store_->succeed(claimed.lease, results, ""));
-  const std::string request = "GET /v1/jobs/" + submitted.id + "/patches.npz HTTP/1.1\r\nHost: x\r\n";
+  const std::string request = "GET /v1/jobs/" + submitted.id + "/patches.npz HTTP/1.1\r\nHost: localhost\r\n";
   const std::string whole = ask(request + "\r\n");
   EXPECT_TRUE(whole.ends_with(content)) << whole.size();
   EXPECT_NE(whole.find("ETag: \"" + std::string(64, 'a') + "\""), std::string::npos);
@@ -297,7 +333,7 @@ TEST_F(SocketTest, FilesOfAJobAreSentWholeInPartsAndNotAtAll) {
   EXPECT_NE(part.find("Content-Range: bytes 100000-100004/200000"), std::string::npos);
   EXPECT_TRUE(
       ask(request + "If-None-Match: \"" + std::string(64, 'a') + "\"\r\n\r\n").starts_with("HTTP/1.1 304"));
-  EXPECT_TRUE(ask("GET /v1/jobs/" + submitted.id + "/radiosity.npy HTTP/1.1\r\nHost: x\r\n\r\n")
+  EXPECT_TRUE(ask("GET /v1/jobs/" + submitted.id + "/radiosity.npy HTTP/1.1\r\nHost: localhost\r\n\r\n")
                   .starts_with("HTTP/1.1 404"));
 }
 
