@@ -45,8 +45,10 @@ class FacetBvh {
 
   bool any_hit(const Ray& ray) const;
 
-  /// The nearest item of those that `accept` takes; of several at exactly that distance the lowest. Which of
-  /// them Embree meets first depends on its tree, and that on how its threads shared the work of building it.
+  /// The nearest item of those that `accept` takes; of several at exactly that distance one met from its
+  /// front, and of those the lowest: at the silhouette of a closed thing its dark inside is not seen. Which
+  /// of them Embree meets first depends on its tree, and that on how its threads shared the work of building
+  /// it.
   template <class Accept>
   bool nearest(const Ray& ray, ItemHit& hit, Accept&& accept) const;
 
@@ -63,7 +65,14 @@ class FacetBvh {
   struct NearestQuery {
     const FacetBvh* bvh;
     Accept* accept;
+    Vec3 direction;
     ItemHit best;
+
+    bool is_nearer(const ItemHit& next) const {
+      if (next.distance != best.distance) return next.distance < best.distance;
+      const bool front = bvh->is_front(next.item, direction);
+      return front != bvh->is_front(best.item, direction) ? front : is_before(next, best);
+    }
   };
   template <class Accept>
   static void filter_by(const RTCFilterFunctionNArguments* arguments);
@@ -97,7 +106,7 @@ void FacetBvh::filter_nearest(const RTCFilterFunctionNArguments* arguments) {
   const ItemHit next{RTCRayN_tfar(arguments->ray, n, 0),
                      query->bvh->item_of(RTCHitN_geomID(hit, n, 0), RTCHitN_primID(hit, n, 0)),
                      RTCHitN_u(hit, n, 0), RTCHitN_v(hit, n, 0)};
-  if (is_before(next, query->best) && (*query->accept)(next.item))
+  if (query->is_nearer(next) && (*query->accept)(next.item))
     query->best = next;
   else
     arguments->valid[0] = 0;
@@ -115,7 +124,7 @@ bool FacetBvh::any_hit(const Ray& ray, Accept&& accept) const {
 template <class Accept>
 bool FacetBvh::nearest(const Ray& ray, ItemHit& hit, Accept&& accept) const {
   using Function = std::remove_reference_t<Accept>;
-  NearestQuery<Function> query{this, &accept, {std::numeric_limits<float>::infinity()}};
+  NearestQuery<Function> query{this, &accept, ray.direction, {std::numeric_limits<float>::infinity()}};
   RTCRayHit shot;
   shot.ray = to_embree(ray);
   shot.hit.geomID = RTC_INVALID_GEOMETRY_ID;

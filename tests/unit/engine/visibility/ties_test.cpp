@@ -75,6 +75,30 @@ TEST(Ties, OfThousandsOfMovingFacetsInOnePlaceTheFirstIsSeenInEverySlot) {
   }
 }
 
+// The edge of an eave, from above: the roof's front and the back of what folds under it, at one distance. The
+// latter comes first in the scene.
+TEST(Ties, AtASilhouetteTheFrontIsSeen) {
+  Scene scene = tests::scene_with(2, 1);
+  tests::add_polygon(scene, {{0, 1, 0}, {0, -1, 0}, {-1, -1, -3}, {-1, 1, -3}}, 0);
+  tests::add_polygon(scene, {{0, -1, 0}, {0, 1, 0}, {-1, 1, -2}, {-1, -1, -2}}, 1);
+  const World world(scene, tests::still(scene, 2), 10);
+  Animation moves = tests::still(scene, 2);
+  for (auto& object : moves.objects) object.spans = {{1, 1, {}}};
+  const MovingRays moving(world.patches, moves, std::vector<FrameIndex>{0, 1});
+  std::vector<SurfaceHit> hits;
+  for (const float y : {-0.75f, -0.5f, 0.0f, 0.125f, 0.625f}) {
+    const Ray ray{{0, y, 2}, {0, 0, -1}};
+    world.static_rays.all_hits(ray, hits);
+    ASSERT_EQ(hits.size(), 2u);
+    ASSERT_EQ(hits[0].distance, hits[1].distance);
+    SurfaceHit still, moved;
+    ASSERT_TRUE(world.static_rays.nearest(ray, still) && moving.nearest(ray, 1, moved));
+    EXPECT_TRUE(still.front && moved.front);
+    EXPECT_EQ(still.facet, 1u);
+    EXPECT_EQ(moved.facet, 1u);
+  }
+}
+
 // On the diagonal of a quad both its halves are hit, on a shared edge both its facets.
 TEST(Ties, OnEdgesAndDiagonalsTheNearestIsTheFirstOfAllHits) {
   Scene scene = tests::scene_with(1, 1);
