@@ -18,7 +18,7 @@ struct WeldPoint {
 
 class Welder {
  public:
-  /// Points coincide within some roundings of the largest coordinate of `patches`.
+  /// Points coincide within some roundings of the largest coordinate of their object.
   explicit Welder(const Patches& patches);
 
   /// The node of an earlier point that coincides with this one and has its object, material and normal
@@ -26,7 +26,13 @@ class Welder {
   std::uint32_t node_at(const WeldPoint& point, std::uint32_t new_node);
 
  private:
-  using Cell = std::array<std::int64_t, 3>;
+  /// A cube of an object's space and a material: where many objects are in one place, as where each has its
+  /// own origin, they share no list.
+  struct Cell {
+    std::array<std::int64_t, 3> at{};
+    std::uint32_t object = 0, material = 0;
+    friend bool operator==(const Cell&, const Cell&) = default;
+  };
   struct CellHash {
     std::size_t operator()(const Cell& cell) const;
   };
@@ -37,10 +43,10 @@ class Welder {
   };
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  Cell cell_at(Vec3 position) const;
+  Cell cell_at(const WeldPoint& point, Vec3 position) const;
   std::uint32_t find(const Cell& cell, const WeldPoint& point) const;
 
-  float tolerance_m_ = 0;
+  std::vector<float> tolerance_m_;  ///< [object]
   std::vector<Seen> seen_;
   std::unordered_map<Cell, std::uint32_t, CellHash> first_in_cell_;
 };
