@@ -14,13 +14,13 @@ namespace engine {
 
 struct Ray {
   Vec3 origin;
-  Vec3 direction;  ///< any length > 0; distances count in lengths of it
-  float near = 0;
-  float far = 1e30f;
+  Vec3 direction;     ///< any length > 0
+  float near = 0;     ///< in lengths of `direction`, as all distances along the ray; >= 0
+  float far = 1e30f;  ///< in lengths of `direction`; > near
 };
 
 struct SurfaceHit {
-  float distance = 0;
+  float distance = 0;  ///< in lengths of the ray's direction
   std::uint32_t facet = 0;
   float u = 0, v = 0;  ///< on the facet, see Facet
   bool front = false;  ///< the ray comes from the facet's front
@@ -54,6 +54,7 @@ class StaticRays {
   /// Every hit on [near, far], sorted by distance, without duplicates from shared edges. Replaces `hits`.
   void all_hits(const Ray& ray, std::vector<SurfaceHit>& hits) const;
   bool occluded(const Ray& ray) const;
+  /// The first of all hits; of several at one distance one from its front, and of those the lowest facet.
   /// False where nothing is hit.
   bool nearest(const Ray& ray, SurfaceHit& hit) const;
 
