@@ -164,6 +164,12 @@ class UploadBody {
   bool too_slow_ = false;
 };
 
+/// Is its unread body longer than is worth reading for the sake of the answer, or of unknown length?
+bool has_much_left(const httplib::Request& request) {
+  return request.has_header("Transfer-Encoding") ||
+         request.get_header_value_u64("Content-Length") > static_cast<std::size_t>(kDropBytesMax);
+}
+
 /// The library waits for the whole body before it takes the next request, also where we have read a part.
 void expect_only(std::int64_t bytes, const httplib::Request& from) {
   auto& headers = const_cast<httplib::Request&>(from).headers;
@@ -181,6 +187,13 @@ void send_and_close(const HttpAnswer& answer, const httplib::Request& from, http
                                   (void)sink.write(body.data() + at, count);
                                   return false;
                                 });
+}
+
+/// The library would read the body to its end, gigabytes perhaps, on a thread that others need.
+void refuse_unread(const HttpAnswer& answer, const std::atomic<bool>& stopping, const httplib::Request& from,
+                   httplib::Response& response) {
+  send(answer, stopping, response);
+  if (has_much_left(from)) send_and_close(answer, from, response);
 }
 
 /// One of a number of places, for as long as it lives.
@@ -229,9 +242,11 @@ struct HttpServer::Library {
       take_over(request);
       const HttpRequest ours = request_of(request);
       if (const auto refused = refuse_stranger(ours, rules.this_machine_only))
-        send(*refused, stopping, response);
+        refuse_unread(*refused, stopping, request, response);
       else if (is_upload(request))
         return Handled::Unhandled;
+      else if (request.get_header_value_u64("Content-Length") > static_cast<std::size_t>(kDropBytesMax))
+        refuse_unread(problem(413, "no body is expected here", request.path), stopping, request, response);
       else
         send(router.answer(ours), stopping, response);
       return Handled::Handled;
@@ -244,6 +259,7 @@ struct HttpServer::Library {
       take_over(request);
       const HttpRequest ours = request_of(request);
       auto refused = refuse_stranger(ours, rules.this_machine_only);
+      if (!refused && uploads >= rules.uploads_max) refused = too_many_uploads(request);
       if (!refused) refused = refuse_upload_early(ours, folder, rules.upload);
       if (!refused) return 100;
       send(*refused, stopping, response);
@@ -268,7 +284,7 @@ struct HttpServer::Library {
   void take_upload(const httplib::Request& request, httplib::Response& response,
                    const httplib::ContentReader& reader) {
     const Place place(uploads, rules.uploads_max);
-    if (!place) return send(problem(503, "too many uploads at once", request.path), stopping, response);
+    if (!place) return refuse_unread(too_many_uploads(request), stopping, request, response);
     UploadBody body(reader, rules, stopping);
     HttpAnswer answer = submit_job(request_of(request), body.reading(), jobs, folder, rules.upload);
     if (body.too_slow())
@@ -281,8 +297,12 @@ struct HttpServer::Library {
     const auto rest = body.rest_of(static_cast<std::int64_t>(request.get_header_value_u64("Content-Length")));
     if (rest && *rest <= kDropBytesMax)
       expect_only(*rest, request);
-    else if (body.begun())
+    else if (body.begun() || has_much_left(request))
       send_and_close(answer, request, response);
+  }
+
+  static HttpAnswer too_many_uploads(const httplib::Request& request) {
+    return problem(503, "too many uploads at once", request.path);
   }
 
   static HttpAnswer answer_to_exception(const std::string& path, const std::exception_ptr& thrown) {

@@ -237,6 +237,26 @@ TEST_F(SocketTest, ARefusedUploadGivesItsConnectionBackAtOnce) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
 }
 
+TEST_F(SocketTest, ALongBodyThatNobodyWantsHoldsNoThread) {
+  const std::string length = "Content-Length: 1000000000\r\n";
+  http_rules_.upload.total_bytes = 2'000'000'000;
+  http_rules_.uploads_max = 0;
+  stop();
+  start();
+  const std::pair<std::string, int> cases[]{
+      {upload_head(length), 503},
+      {"POST /v1/jobs HTTP/1.1\r\nHost: elsewhere\r\n" + length + "\r\n", 421},
+      {"GET /v1/jobs HTTP/1.1\r\nHost: localhost\r\n" + length + "\r\n", 413}};
+  for (const auto& [request, status] : cases) {
+    Connection connection(http_->port());
+    const auto begun = std::chrono::steady_clock::now();
+    connection.say(request);
+    EXPECT_EQ(connection.status(), status);
+    EXPECT_EQ(connection.answer(), "") << "and is closed";
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(3)) << status;
+  }
+}
+
 TEST_F(SocketTest, EveryRefusalIsAProblemDocument) {
   const std::string cases[]{
       "GET /nowhere HTTP/1.1\r\nHost: localhost\r\n\r\n",
