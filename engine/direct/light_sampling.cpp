@@ -88,8 +88,6 @@ PlacedLight place_light(const Facet& facet, const PlacedFacet& placed) {
     light.corners = {o, o + u, o + v, o};
   else
     light.corners = {o, o + u, o + u + v, o + v};
-  light.diameter_m = std::max(length(u + v), length(u - v));
-  if (facet.is_triangle) light.diameter_m = std::max({length(u), length(v), length(u - v)});
   return light;
 }
 

@@ -21,7 +21,6 @@ struct PlacedLight {
   PlacedFacet placed;
   bool is_triangle = false;
   std::array<Vec3, 4> corners;  ///< 3 of them for a triangle
-  float diameter_m = 0;
 
   std::span<const Vec3> polygon() const { return {corners.data(), is_triangle ? 3u : 4u}; }
 };
