@@ -41,10 +41,6 @@ void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCo
 
 api::ExitCode check(const CheckCommand& command, const Checker& checker) {
   const Clock::time_point start = Clock::now();
-  const auto give_up = [](const api::Error& error) {
-    tell(error.message);
-    return exit_code_of(error.fault);
-  };
   if (command.parent) {
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
   }

@@ -80,12 +80,15 @@ api::Status take_number(const Word& word, std::uint64_t min, std::uint64_t max, 
   return api::Done{};
 }
 
+api::Status take_process(const Word& word, std::optional<pid_t>& into) {
+  return take_number(word, 1, std::numeric_limits<pid_t>::max(), into);
+}
+
 api::Result<Command> parse_render(std::span<const std::string_view> words) {
   RenderCommand command;
   const auto folder = parse_words(words, [&](const Word& word) -> api::Status {
     if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
-    if (word.name == "--parent")
-      return take_number(word, 1, std::numeric_limits<pid_t>::max(), command.parent);
+    if (word.name == "--parent") return take_process(word, command.parent);
     return usage_error("unknown option " + std::string(word.name));
   });
   if (!folder) return folder.error();
@@ -99,8 +102,7 @@ api::Result<Command> parse_check(std::span<const std::string_view> words) {
     if (word.name == "--memory-mb")
       return take_number(word, kCheckMemoryMbMin, kCheckMemoryMbMax, command.memory_mb);
     if (word.name == "--seconds") return take_number(word, 1, kCheckSecondsMax, command.seconds);
-    if (word.name == "--parent")
-      return take_number(word, 1, std::numeric_limits<pid_t>::max(), command.parent);
+    if (word.name == "--parent") return take_process(word, command.parent);
     return usage_error("unknown option " + std::string(word.name));
   });
   if (!folder) return folder.error();

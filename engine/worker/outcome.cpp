@@ -112,6 +112,11 @@ void tell(std::string_view message) {
   }
 }
 
+api::ExitCode give_up(const api::Error& error) {
+  tell(error.message);
+  return exit_code_of(error.fault);
+}
+
 void tell_report(const api::JobReport& report) {
   for (const std::string& warning : report.warnings) tell("warning: " + warning);
   for (const api::Violation& violation : report.violations) tell(text_of(violation));

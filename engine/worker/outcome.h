@@ -37,6 +37,9 @@ std::string text_of(const api::Violation& violation);
 /// strangers.
 void tell(std::string_view message);
 
+/// Tells why an attempt cannot even begin, and answers how the process ends.
+api::ExitCode give_up(const api::Error& error);
+
 /// What a person at the terminal needs to know of `report`: the message, violations, warnings.
 void tell_report(const api::JobReport& report);
 

@@ -90,10 +90,6 @@ api::ExitCode conclude(const JobFolder& folder, const api::Status& status, doubl
 
 api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline) {
   const Clock::time_point start = Clock::now();
-  const auto give_up = [](const api::Error& error) {
-    tell(error.message);
-    return exit_code_of(error.fault);
-  };
   if (command.parent) {
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
   }
