@@ -12,7 +12,7 @@
 namespace engine {
 
 struct DirectOptions {
-  std::uint32_t samples_per_light = 8;  ///< shadow rays per patch and light  [rays] 1 .. 1024
+  std::uint32_t samples_per_light = 16;  ///< shadow rays per patch and light  [rays] 1 .. 1024
   std::uint64_t seed = 1;
 };
 

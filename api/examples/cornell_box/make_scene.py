@@ -83,7 +83,7 @@ def animation():
         },
         "materials": {"white": front, "red": front, "green": front, "light": front},
         "cameras": {"main": {"position": [278, 273, -800], "target": [278, 273, 0], "vertical_fov_degrees": 39.3}},
-        "lighting": {"preset": "standard", "mode": "default"},
+        "lighting": {"preset": "standard", "mode": "default", "samples_per_light": 64},
         "images": [{"camera": "main", "width": 512, "height": 512, "formats": ["png"]}],
     }) + "\n"
 
