@@ -52,7 +52,8 @@ api::Result<MtlLibrary> read_mtl_library(const ObjFile& obj, const InputFiles& f
         library.complete = false;
         obj_violations.add(
             name.line, name.column, "missing_file",
-            "material file " + excerpt(base_name(name.name)) + " is not among the job's files");
+            "material file " + excerpt(base_name(name.name)) +
+                " is not among the job's files; send it with the scene, as one of its materials");
       } else if (read.insert(*path).second) {
         if (const auto status = read_library(*path, limits, all, warnings, library); !status)
           return status.error();

@@ -24,6 +24,16 @@ api::Status run_check(const JobFolder& folder, const Checker& checker, api::JobR
   return checker(*request, folder.input(), report);
 }
 
+/// ": 45 polygons, 49208 patches, 120 frames"
+std::string counted(const api::JobReport& report) {
+  std::string text;
+  for (const auto& [name, count] : report.counts) {
+    if (name == "wall_seconds") continue;
+    text += (text.empty() ? ": " : ", ") + std::to_string(static_cast<std::uint64_t>(count)) + " " + name;
+  }
+  return text;
+}
+
 void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCommand& command,
                       double wall_seconds) {
   const api::Status why = code == api::ExitCode::stopped
@@ -66,6 +76,7 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker) {
   const api::Status status = without_exceptions([&] { return run_check(*folder, checker, report); });
   complete_report(status, seconds_since(start), report);
   tell_report(report);
+  if (status) tell("the job is sound" + counted(report));
   const api::Status written = write_report(*folder, report);
   if (!written) tell("report.json: " + written.error().message);
   return exit_code_of(status ? written : status);

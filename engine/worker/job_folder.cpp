@@ -115,7 +115,8 @@ api::Result<api::JobRequest> read_job_request(const JobFolder& folder) {
   const fs::path path = folder.input() / "animation.json";
   // O_NONBLOCK: a pipe in its place must not hang us; it has no effect on files.
   const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (file.get() < 0 && errno == ENOENT) return refused_input("missing_file", "the file is missing");
+  if (file.get() < 0 && errno == ENOENT)
+    return refused_input("missing_file", "there is no such file in the job's input folder");
   struct stat about {};
   if (file.get() < 0 || fstat(file.get(), &about) != 0) return file_error("read", path, errno);
   if (!S_ISREG(about.st_mode)) return refused_input("not_a_file", "this is not a regular file");

@@ -120,7 +120,8 @@ api::ExitCode give_up(const api::Error& error) {
 void tell_report(const api::JobReport& report) {
   for (const std::string& warning : report.warnings) tell("warning: " + warning);
   for (const api::Violation& violation : report.violations) tell(text_of(violation));
-  if (!report.message.empty()) tell(report.outcome + ": " + report.message);
+  const bool said = report.violations.size() == 1 && report.message == text_of(report.violations[0]);
+  if (!report.message.empty() && !said) tell(report.outcome + ": " + report.message);
 }
 
 }  // namespace engine

@@ -18,7 +18,7 @@ bool is_port(std::string_view text) {
   return text.find_first_not_of("0123456789") == text.npos;
 }
 
-/// "http://host:port" -> "host:port"; none for "null" and what is no web page's.
+/// Host and port of an http or https origin; none for "null" and what is no web page's.
 std::optional<std::string_view> authority_of(std::string_view origin) {
   for (const std::string_view scheme : {"http://", "https://"})
     if (origin.starts_with(scheme)) return origin.substr(scheme.size());
