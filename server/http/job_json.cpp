@@ -62,6 +62,7 @@ Json json_of(const Job& job) {
       {"finished_at", optional_time(job.finished_ms)},
       {"frame_count", job.frame_count},
       {"key_frame_count", job.key_frame_count ? Json(*job.key_frame_count) : Json(nullptr)},
+      {"solved_frame_count", job.solved_frame_count ? Json(*job.solved_frame_count) : Json(nullptr)},
       {"links", links_of(job)},
   };
   if (job.state == JobState::failed && !job.report.empty()) {

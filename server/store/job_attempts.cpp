@@ -135,8 +135,9 @@ api::Status JobStore::succeed(const Lease& lease, const Results& results, std::s
   if (api::Status left = leave_running(lease, wanted, {0, std::nullopt}, report_json); !left) return left;
   if (api::Status kept = insert_results(lease.job_seq, results); !kept) return kept;
   Statement whole = database_.prepare(
-      "UPDATE job SET fraction = 1, stage_fraction = 1, key_frame_count = (SELECT nullif(count(*), 0) FROM "
-      "frame "
+      "UPDATE job SET fraction = 1, stage_fraction = 1, "
+      "key_frame_count = (SELECT nullif(count(*), 0) FROM frame WHERE job_seq = seq AND kind = 'key'), "
+      "solved_frame_count = (SELECT nullif(count(*), 0) FROM frame "
       "WHERE job_seq = seq AND kind <> 'interpolated') WHERE seq = ?");
   if (api::Status done = whole.bind(lease.job_seq).run(); !done) return done;
   return transaction.commit();

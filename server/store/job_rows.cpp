@@ -55,7 +55,7 @@ std::optional<api::FrameKind> frame_kind_named(std::string_view name) {
 std::string select_jobs(Reports reports) {
   const std::string report = reports == Reports::read ? "coalesce(report, '')" : "''";
   return "SELECT seq, id, name, state, reason, message, frame_count, fps, stage, stage_fraction, fraction, "
-         "attempt, attempts_without_progress, key_frame_count, report IS NOT NULL, " +
+         "attempt, attempts_without_progress, key_frame_count, solved_frame_count, report IS NOT NULL, " +
          report + ", version, created_ms, updated_ms, started_ms, finished_ms FROM job ";
 }
 
@@ -78,6 +78,8 @@ Job read_job(const Statement& row) {
   job.attempts_without_progress = static_cast<std::uint32_t>(row.integer(column++));
   if (const auto count = row.optional_integer(column++))
     job.key_frame_count = static_cast<std::uint32_t>(*count);
+  if (const auto count = row.optional_integer(column++))
+    job.solved_frame_count = static_cast<std::uint32_t>(*count);
   job.has_report = row.integer(column++) != 0;
   job.report = row.text(column++);
   job.version = row.integer(column++);

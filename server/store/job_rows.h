@@ -42,7 +42,8 @@ struct Job {
   double fraction = 0;
   std::uint32_t attempt = 0;
   std::uint32_t attempts_without_progress = 0;
-  std::optional<std::uint32_t> key_frame_count;  ///< solved frames; none before the job has succeeded
+  std::optional<std::uint32_t> key_frame_count;     ///< of kind key; none before the job has succeeded
+  std::optional<std::uint32_t> solved_frame_count;  ///< of kind key or check; none likewise
   bool has_report = false;
   std::string report;        ///< the worker's last report as JSON; empty in lists
   std::int64_t version = 1;  ///< counts every change

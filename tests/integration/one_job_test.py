@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """A job from submission to its results, over HTTP."""
+import collections
 import hashlib
 import io
 import unittest
@@ -40,7 +41,8 @@ class OneJob(ServiceTestCase):
     def test_a_finished_job_tells_what_it_did(self):
         self.assertEqual(self.finished["progress"]["fraction"], 1)
         self.assertEqual(self.finished["frame_count"], FRAMES)
-        self.assertTrue(1 < self.finished["key_frame_count"] <= FRAMES, self.finished)
+        self.assertTrue(1 < self.finished["key_frame_count"] <= self.finished["solved_frame_count"] <= FRAMES,
+                        self.finished)
         listed = self.running.get("/v1/jobs").json()["jobs"]
         self.assertEqual([job["id"] for job in listed], [self.job_id])
 
@@ -85,8 +87,9 @@ class OneJob(ServiceTestCase):
     def test_key_frames_cover_the_animation(self):
         report = self.fetch("/key-frames").json()
         self.assertEqual(len(report["frames"]), FRAMES)
-        solved = [frame for frame in report["frames"] if frame["kind"] != "interpolated"]
-        self.assertEqual(len(solved), self.finished["key_frame_count"])
+        kinds = collections.Counter(frame["kind"] for frame in report["frames"])
+        self.assertEqual(kinds["key"], self.finished["key_frame_count"])
+        self.assertEqual(kinds["key"] + kinds["check"], self.finished["solved_frame_count"])
         self.assertEqual((report["intervals"][0]["first"], report["intervals"][-1]["last"]), (0, FRAMES - 1))
 
     def test_files_carry_their_hash_as_etag_and_answer_304(self):

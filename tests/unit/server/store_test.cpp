@@ -18,6 +18,25 @@ TEST(Migrations, AreNumberedWithoutGapsAndApplyOnce) {
   EXPECT_TRUE(check_integrity(*database));
 }
 
+TEST(Migrations, KeyFramesOfEarlierJobsAreCountedAnew) {
+  const TemporaryFolder folder;
+  auto database = Database::open(folder.path() / "db");
+  ASSERT_TRUE(database && migrate(*database, migrations().first(1)));
+  ASSERT_TRUE(database->execute(
+      "INSERT INTO job(seq, id, name, state, frame_count, fps, input_bytes, key_frame_count, created_ms, "
+      "updated_ms) VALUES (1, 'job_aaaaaaaaaaaaaaaaaaaaaaaaaa', '', 'queued', 3, 24, 1, 2, 0, 0), "
+      "(2, 'job_bbbbbbbbbbbbbbbbbbbbbbbbbb', '', 'queued', 3, 24, 1, NULL, 0, 0);"
+      "INSERT INTO frame(job_seq, frame, kind) VALUES (1, 0, 'key'), (1, 1, 'interpolated')"));
+  ASSERT_TRUE(database->execute("INSERT INTO frame(job_seq, frame, kind) VALUES (1, 2, 'check')"));
+  ASSERT_TRUE(migrate(*database));
+  Statement counts = database->prepare("SELECT key_frame_count, solved_frame_count FROM job ORDER BY seq");
+  ASSERT_TRUE(counts.next());
+  EXPECT_EQ(counts.optional_integer(0), 1);
+  EXPECT_EQ(counts.optional_integer(1), 2);
+  ASSERT_TRUE(counts.next());
+  EXPECT_TRUE(counts.is_null(0) && counts.is_null(1));
+}
+
 TEST(Migrations, RefuseASchemaNewerThanThisBuild) {
   const TemporaryFolder folder;
   auto database = Database::open(folder.path() / "db");
@@ -211,7 +230,8 @@ TEST_F(StoreTest, ResultsComeWithTheStepToSucceededOrNotAtAll) {
                                {2, api::FrameKind::check, 0.0}};
   results.key_frames.intervals = {{0, 2, 0.01, 0.02}};
   ASSERT_TRUE(store_->succeed(claimed.lease, results, "{}"));
-  EXPECT_EQ(job(submitted.id).key_frame_count, 2u);
+  EXPECT_EQ(job(submitted.id).key_frame_count, 1u);
+  EXPECT_EQ(job(submitted.id).solved_frame_count, 2u);
   const auto frames = store_->frames(submitted.seq);
   ASSERT_TRUE(frames);
   ASSERT_EQ(frames->size(), 3u);
