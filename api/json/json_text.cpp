@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "api/json/strict_check.h"
+#include "api/refusal_text.h"
 
 namespace api {
 namespace {
@@ -71,12 +72,8 @@ std::string problem_json(const Error& error, int status, std::string_view title,
 }
 
 Error refusal(std::string_view file, std::vector<Violation> violations) {
-  const std::size_t count = violations.size();
-  const std::string places = count == 1 ? "1 place" : std::to_string(count) + " places";
-  const std::string_view more = count >= kViolationsMax ? " at least" : "";
-  return {Fault::invalid_request,
-          std::string(file) + " is refused: " + places + std::string(more) + " to fix.",
-          std::move(violations)};
+  std::string message = refusal_text(std::string(file), violations.size());
+  return {Fault::invalid_request, std::move(message), std::move(violations)};
 }
 
 }  // namespace api

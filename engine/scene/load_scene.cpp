@@ -1,3 +1,4 @@
+#include "api/refusal_text.h"
 #include "engine/scene/clean_polygons.h"
 #include "engine/scene/input_files.h"
 #include "engine/scene/names.h"
@@ -60,11 +61,7 @@ void check_light(const Scene& scene, const api::SceneDescription& description, V
 }
 
 api::Error refused(Violations all) {
-  const std::size_t count = all.size();
-  std::string message = "the scene is refused: " + std::to_string(count) +
-                        (count >= api::kViolationsMax ? " violations or more"
-                         : count == 1                 ? " violation"
-                                                      : " violations");
+  std::string message = api::refusal_text("the scene", all.size());
   return {api::Fault::invalid_request, std::move(message), std::move(all)};
 }
 
