@@ -25,6 +25,13 @@ std::optional<std::int64_t> whole_number(std::string_view text) {
   return value;
 }
 
+std::string state_names() {
+  std::string names;
+  for (const api::JobState state : api::kJobStates)
+    names += (names.empty() ? "" : ", ") + std::string(api::name_of(state));
+  return names;
+}
+
 /// GET /v1/jobs, operationId listJobs.
 HttpAnswer list_jobs(JobService& jobs, const HttpRequest& request) {
   std::int64_t limit = kPageDefault;
@@ -47,7 +54,7 @@ HttpAnswer list_jobs(JobService& jobs, const HttpRequest& request) {
   if (const auto name = request.parameter("state")) {
     state = api::job_state_named(*name);
     if (!state)
-      return bad_parameter("state", "unknown_value", "there is no such state of a job", request.path);
+      return bad_parameter("state", "unknown_value", "state must be one of " + state_names(), request.path);
   }
   const auto page = jobs.list(state, before, limit);
   return page ? json_answer(job_page_json(*page)) : problem(page.error(), request.path);
@@ -77,6 +84,13 @@ HttpAnswer delete_job(JobService& jobs, const HttpRequest& request, const PathVa
 HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_view path) {
   if (refusal.status == 0) return problem(refusal.error, path);
   return problem(refusal.status, refusal.error, path);
+}
+
+/// What is wrong with the job may well be that it is not what its sender meant to send.
+api::Error with_hint(api::Error error, std::string_view hint) {
+  if (error.fault != api::Fault::invalid_request || hint.empty()) return error;
+  error.message += (error.message.ends_with('.') ? " " : ". ") + std::string(hint);
+  return error;
 }
 
 }  // namespace
@@ -131,7 +145,7 @@ HttpAnswer submit_job(const HttpRequest& request, const ReadBody& read_body, Job
   if (!upload) return refusal_answer(*receiver.refusal(), request.path);
 
   const auto job = jobs.submit(*upload);
-  if (!job) return problem(job.error(), request.path);
+  if (!job) return problem(with_hint(job.error(), receiver.hint()), request.path);
   HttpAnswer answer = json_answer(job_json(*job), 202);
   answer.headers.emplace_back("Location", "/v1/jobs/" + job->id);
   return answer;

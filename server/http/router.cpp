@@ -1,5 +1,6 @@
 #include "server/http/router.h"
 
+#include <algorithm>
 #include <optional>
 #include <set>
 #include <utility>
@@ -43,6 +44,13 @@ HttpAnswer not_allowed(const HttpRequest& request, const std::set<std::string>& 
   return answer;
 }
 
+HttpAnswer nothing_here(const HttpRequest& request, bool known_without_slash) {
+  const std::string detail =
+      known_without_slash ? "there is nothing at this path; there is without the slash at its end"
+                          : "there is nothing at this path; GET /openapi.json says which paths there are";
+  return problem(404, detail, request.path);
+}
+
 }  // namespace
 
 void Router::add(std::string method, std::string pattern, RouteHandler handler) {
@@ -64,7 +72,11 @@ HttpAnswer Router::answer(const HttpRequest& request) const {
     if (route.method == "GET") other_methods.insert("HEAD");
   }
   if (!other_methods.empty()) return not_allowed(request, other_methods);
-  return problem(404, "there is nothing at this path", request.path);
+  std::string_view shorter = request.path;
+  if (shorter.ends_with('/')) shorter.remove_suffix(1);
+  const bool known = std::any_of(routes_.begin(), routes_.end(),
+                                 [&](const Route& route) { return match(route.pattern, shorter); });
+  return nothing_here(request, known);
 }
 
 }  // namespace server

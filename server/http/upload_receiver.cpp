@@ -89,7 +89,9 @@ std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::
                           [&](std::string_view other) { return same_ignoring_case(*name, other); });
   if (!name || reserved) {
     refuse_part(field, "bad_name",
-                "a part '" + std::string(field) + "' needs a file name of its own, such as room.mtl");
+                "a part '" + std::string(field) +
+                    "' needs a file name of its own, such as room.mtl; send it as a file: -F " +
+                    std::string(field) + "=@FILE");
     return std::nullopt;
   }
   return InputFile{std::move(*name), known->role, 0};
@@ -114,6 +116,9 @@ bool UploadReceiver::begin_part(std::string_view field, std::string_view file_na
   if (refusal_ || !close_file()) return false;
   auto input = input_for(field, file_name);
   if (!input || !has_room_for(*input)) return false;
+  if (file_name.empty() && hint_.empty())
+    hint_ = "The part '" + std::string(field) + "' came without a file name; send it as a file: -F " +
+            std::string(field) + "=@FILE";
   inputs_.push_back(std::move(*input));
   return open_file();
 }

@@ -44,6 +44,9 @@ class UploadReceiver {
     api::Error error;
   };
   const std::optional<Refusal>& refusal() const { return refusal_; }
+  /// For whoever wrote -F scene=FILE, which sends the file's name instead of the file; empty where every part
+  /// came as a file.
+  const std::string& hint() const { return hint_; }
 
  private:
   bool refuse(Refusal refusal);
@@ -61,6 +64,7 @@ class UploadReceiver {
   std::vector<InputFile> inputs_;  ///< the last one is being received
   std::int64_t total_bytes_ = 0;
   std::optional<Refusal> refusal_;
+  std::string hint_;
   bool finished_ = false;
 };
 

@@ -56,6 +56,13 @@ class Rejected(ServiceTestCase):
             subprocess.run([sys.executable, folder / "make_animation.py", copy], check=True)
         return copy
 
+    def test_a_scene_sent_by_name_instead_of_as_a_file_is_told_so(self):
+        job = write_job(self.folder / "job", frames=2)
+        answer = curl(self.running.url + "/v1/jobs", "-F", "scene=scene.obj", "-F",
+                      f"animation=@{job / 'animation.json'}")
+        self.expect_refused(answer, "a value")
+        self.assertIn("-F scene=@FILE", answer.json()["detail"])
+
     def test_json_nested_100000_deep(self):
         for name, text in (("arrays", "[" * 100_000), ("closed arrays", "[" * 100_000 + "]" * 100_000),
                            ("objects", '{"a":' * 100_000)):

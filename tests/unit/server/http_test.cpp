@@ -103,6 +103,14 @@ TEST(Router, TellsUnknownPathsFromUnknownMethods) {
     EXPECT_EQ(router.answer(get(path)).status, 404) << path;
 }
 
+TEST(Router, SaysWhereToLookWhenThereIsNothingAtAPath) {
+  Router router;
+  router.add("GET", "/a/{x}", [](const auto&, const auto&) { return json_answer("{}"); });
+  for (const char* path : {"/", "/b", "/a/1//"})
+    EXPECT_NE(router.answer(get(path)).body.find("/openapi.json"), std::string::npos) << path;
+  EXPECT_NE(router.answer(get("/a/1/")).body.find("without the slash at its end"), std::string::npos);
+}
+
 TEST(Problem, TellsNothingOfWhatFailedInside) {
   const HttpAnswer answer = problem({api::Fault::internal, "/secret/path: SQL went wrong"}, "/v1/jobs");
   EXPECT_EQ(answer.status, 500);
@@ -205,6 +213,17 @@ TEST_F(UploadTest, RefusesWrongPartsAndLeavesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_->uploads()));
 }
 
+TEST_F(UploadTest, HintsAtTheFileWhereOnlyAValueCame) {
+  const auto hint_of = [&](const char* scene_name, const char* animation_name) {
+    UploadReceiver receiver(*folder_, new_job_id(now_ms_), limits_);
+    EXPECT_TRUE(receiver.begin_part("scene", scene_name) && receiver.begin_part("animation", animation_name));
+    return receiver.hint();
+  };
+  EXPECT_EQ(hint_of("room.obj", "a.json"), "");
+  EXPECT_NE(hint_of("", "a.json").find("-F scene=@FILE"), std::string::npos);
+  EXPECT_NE(hint_of("room.obj", "").find("-F animation=@FILE"), std::string::npos);
+}
+
 TEST_F(UploadTest, RefusesWhatIsTooLargeOrTooMany) {
   limits_.total_bytes = 100;
   limits_.animation_bytes = 10;
@@ -251,6 +270,16 @@ TEST_F(ServiceTest, ABadParameterIsNamed) {
     ASSERT_TRUE(document && document->at("errors").size() == 1) << answer.body;
     EXPECT_EQ(document->at("errors")[0].at("file"), name);
   }
+}
+
+TEST_F(ServiceTest, AnUnknownStateIsAnsweredWithTheStates) {
+  Router router;
+  add_job_routes(router, *jobs_);
+  HttpRequest request = get("/v1/jobs");
+  request.query = {{"state", "done"}};
+  const std::string body = router.answer(request).body;
+  for (const api::JobState state : api::kJobStates)
+    EXPECT_NE(body.find(api::name_of(state)), std::string::npos) << api::name_of(state);
 }
 
 TEST_F(ServiceTest, AListTellsOfReportsWithoutReadingThem) {
@@ -307,6 +336,7 @@ TEST_F(ServiceTest, AJobOnItsWayShowsNoLinksToWhatIsNotThere) {
   EXPECT_TRUE(json->at("reason").is_null());
   EXPECT_TRUE(json->at("started_at").is_null());
   EXPECT_TRUE(json->at("key_frame_count").is_null());
+  EXPECT_TRUE(json->at("solved_frame_count").is_null());
   EXPECT_EQ(json->at("links").size(), 2u) << json->at("links");
   EXPECT_EQ(json->at("links").at("cancel"), "/v1/jobs/" + submitted.id + "/cancel");
 }
