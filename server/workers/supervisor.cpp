@@ -62,7 +62,9 @@ bool Supervisor::record(const EndedAttempt& ended) {
     return false;
   }
   const auto job = jobs_.job(ended.id);
-  if (job) log_line(job->id + " is " + std::string(api::name_of(job->state)) + " " + job->reason);
+  if (!job) return true;
+  const std::string why = job->reason.empty() ? "" : " (" + job->reason + ")";
+  log_line(job->id + ": " + std::string(api::name_of(job->state)) + why);
   return true;
 }
 
