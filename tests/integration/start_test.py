@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """What keeps a server from starting, and how it ends."""
+import socket
 import subprocess
 import unittest
 from pathlib import Path
@@ -33,8 +34,17 @@ class Start(ServiceTestCase):
         run = subprocess.run([ROOT / "server/run", "--no-install", "--port", str(first.port)], capture_output=True,
                              text=True, timeout=10, stdin=subprocess.DEVNULL)
         self.assertEqual(run.returncode, 1)
-        self.assertIn(f"port {first.port} of 127.0.0.1 is taken", run.stderr)
+        self.assertIn(f"port {first.port} of 127.0.0.1 is taken by Keylume itself", run.stderr)
+        self.assertIn("--data", run.stderr)
         self.assertEqual(run.stdout, "", "nothing was begun")
+
+    def test_the_start_script_tells_another_program_from_keylume(self):
+        with socket.create_server(("127.0.0.1", 0)) as mute:
+            port = mute.getsockname()[1]
+            run = subprocess.run([ROOT / "server/run", "--no-install", "--port", str(port)], capture_output=True,
+                                 text=True, timeout=10, stdin=subprocess.DEVNULL)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn(f"port {port} of 127.0.0.1 is taken by another program", run.stderr)
 
     def test_sigterm_ends_it_with_0_and_its_worker_too(self):
         service = self.service()
