@@ -2,13 +2,14 @@
 """The README's curl section, run as written (but for the port, which may be taken here)."""
 import json
 import re
+import shutil
 import subprocess
 import unittest
 from pathlib import Path
 
 import numpy
 
-from service import ServiceTestCase
+from service import ServiceTestCase, free_port
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 
@@ -21,24 +22,43 @@ def curl_section():
 
 
 class Readme(ServiceTestCase):
-    def test_the_curl_section_works_as_written(self):
-        service = self.service()
+    def run_in(self, place, port, timeout_s):
+        """Not with bash -e: the block itself must stop at a failure."""
         script = curl_section()
         self.assertIn("127.0.0.1:8080", script)
-        script = script.replace("127.0.0.1:8080", f"127.0.0.1:{service.port}")
+        script = script.replace("127.0.0.1:8080", f"127.0.0.1:{port}")
+        return subprocess.run(["bash", "-c", script], cwd=place, capture_output=True, text=True, timeout=timeout_s)
+
+    def test_the_curl_section_works_as_written(self):
+        service = self.service()
         place = self.folder / "checkout"  # the files it fetches do not litter the real one
         place.mkdir()
         (place / "api").symlink_to(ROOT / "api")
-        run = subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=place, capture_output=True, text=True,
-                             timeout=300)
+        run = self.run_in(place, service.port, 300)
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
-        job = json.loads((place / "job.json").read_text())
+        self.assertTrue(run.stdout.endswith("\n"), run.stdout)
+        fetched = place / "cornell"
+        self.assertEqual(sorted(path.name for path in place.iterdir()), ["api", "cornell"])
+        job = json.loads((fetched / "job.json").read_text())
         self.assertEqual(job["state"], "succeeded", run.stdout)
-        self.assertEqual((place / "frame0.png").read_bytes()[:4], b"\x89PNG")
-        radiosity, patches = numpy.load(place / "radiosity.npy"), numpy.load(place / "patches.npz")
+        self.assertEqual((fetched / "frame0.png").read_bytes()[:4], b"\x89PNG")
+        radiosity, patches = numpy.load(fetched / "radiosity.npy"), numpy.load(fetched / "patches.npz")
         self.assertEqual(radiosity.shape, (job["frame_count"], len(patches["area_m2"]), 3))
-        self.assertEqual(len(json.loads((place / "key_frames.json").read_text())["frames"]), job["frame_count"])
+        self.assertEqual(len(json.loads((fetched / "key_frames.json").read_text())["frames"]), job["frame_count"])
         self.assertEqual(service.get("/v1/jobs").json()["jobs"], [], "the last command removed the job")
+
+    def test_the_curl_section_stops_when_the_job_is_refused(self):
+        service = self.service()
+        example = shutil.copytree(ROOT / "api/examples/cornell_box", self.folder / "api/examples/cornell_box")
+        (example / "animation.json").write_text('{"frame": 1}')
+        run = self.run_in(self.folder, service.port, 30)
+        self.assertEqual(run.returncode, 1, run.stderr)
+        self.assertIn("is refused", run.stdout)
+
+    def test_the_curl_section_stops_where_nothing_listens(self):
+        shutil.copytree(ROOT / "api/examples/cornell_box", self.folder / "api/examples/cornell_box")
+        run = self.run_in(self.folder, free_port(), 30)
+        self.assertEqual(run.returncode, 1, run.stderr)
 
 
 if __name__ == "__main__":
