@@ -30,8 +30,8 @@ struct LightingOptions {
   /// Error falls as 1/sqrt(line_count), time grows with it.  [lines] 1e3 .. 1e9
   std::uint64_t line_count = 4'000'000;
 
-  /// Shadow rays per patch and light, whatever the frame count. Penumbras get smoother with more; a scene with
-  /// one light wants 64.  [rays] 1 .. 1024
+  /// Shadow rays per patch and light, whatever the frame count. Penumbras get smoother with more; a scene
+  /// with one light wants 64.  [rays] 1 .. 1024
   std::uint32_t samples_per_light = 16;
 
   /// Edges are cut into ceil(edge / patch_edge_m) parts, all three of a triangle into as many as its longest
