@@ -6,7 +6,7 @@ namespace engine {
 namespace {
 
 /// About the share of a job's time that a stage takes, in the order of api::Stage; measured on the garage.
-constexpr std::array<double, 9> kShares{0.01, 0.01, 0.07, 0.01, 0.31, 0.52, 0.01, 0.05, 0.01};
+constexpr std::array<double, 9> kShares{0.005, 0.005, 0.08, 0.005, 0.6, 0.205, 0.01, 0.08, 0.01};
 
 double share_of(api::Stage stage) {
   return kShares[static_cast<std::size_t>(stage)];
