@@ -1,22 +1,23 @@
 #include "engine/pipeline/stage_clock.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace engine {
 namespace {
 
 /// About the share of a job's time that a stage takes, in the order of api::Stage; measured on the garage.
-constexpr std::array<double, 9> kShares{0.005, 0.005, 0.08, 0.005, 0.6, 0.205, 0.01, 0.08, 0.01};
+/// In thousandths: whole numbers add up to exactly 1000, and the last fraction told is exactly 1.
+constexpr std::array<int, 9> kShares{5, 5, 80, 5, 600, 205, 10, 80, 10};
+static_assert(std::accumulate(kShares.begin(), kShares.end(), 0) == 1000);
 
-double share_of(api::Stage stage) {
+int share_of(api::Stage stage) {
   return kShares[static_cast<std::size_t>(stage)];
 }
 
 /// Together with the stages that a mode leaves out: those before `stage` count as done.
-double shares_before(api::Stage stage) {
-  double sum = 0;
-  for (std::size_t s = 0; s < static_cast<std::size_t>(stage); ++s) sum += kShares[s];
-  return sum;
+int shares_before(api::Stage stage) {
+  return std::accumulate(kShares.begin(), kShares.begin() + static_cast<std::ptrdiff_t>(stage), 0);
 }
 
 }  // namespace
@@ -43,7 +44,8 @@ void StageClock::end_stage() {
 void StageClock::tell(double stage_fraction) {
   const std::lock_guard lock(mutex_);
   stage_fraction_ = std::clamp(stage_fraction, stage_fraction_, 1.0);
-  hooks_.progress({stage_, stage_fraction_, done_before_ + share_of(stage_) * stage_fraction_, {}});
+  const double done = (done_before_ + share_of(stage_) * stage_fraction_) / 1000;
+  hooks_.progress({stage_, stage_fraction_, done, {}});
 }
 
 }  // namespace engine

@@ -32,7 +32,7 @@ class StageClock {
   std::mutex mutex_;  // stages report from many threads
   bool running_ = false;
   api::Stage stage_ = api::Stage::scene;
-  double done_before_ = 0;     ///< share of the job that the stages before were
+  int done_before_ = 0;        ///< thousandths of the job that the stages before were
   double stage_fraction_ = 0;  ///< never falls
   std::chrono::steady_clock::time_point began_;
 };
