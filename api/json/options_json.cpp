@@ -3,7 +3,7 @@
 #include <array>
 
 #include "api/json/job_sections.h"
-#include "api/json/nearest_name.h"
+#include "api/nearest_name.h"
 
 namespace api {
 namespace {

@@ -5,8 +5,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "api/json/nearest_name.h"
 #include "api/json/strict_check.h"
+#include "api/nearest_name.h"
+#include "api/pointer_step.h"
 
 namespace api {
 namespace {
@@ -78,7 +79,8 @@ void add_violation(const Node& node, std::string_view code, std::string detail) 
 }
 
 void add_violation(const Node& parent, std::string_view member, std::string_view code, std::string detail) {
-  add_violation({nullptr, parent.pointer + pointer_step(member), parent.findings}, code, std::move(detail));
+  add_violation({nullptr, parent.pointer + '/' + pointer_step(member), parent.findings}, code,
+                std::move(detail));
 }
 
 bool is_object_of(const Node& node, std::span<const std::string_view> known) {
@@ -126,7 +128,7 @@ bool is_array_of(const Node& node, std::size_t least, std::size_t most) {
 std::optional<Node> member(const Node& object, std::string_view name) {
   const auto found = object.json->find(name);
   if (found == object.json->end()) return std::nullopt;
-  return Node{&*found, object.pointer + pointer_step(name), object.findings};
+  return Node{&*found, object.pointer + '/' + pointer_step(name), object.findings};
 }
 
 std::optional<Node> required(const Node& object, std::string_view name) {
@@ -142,7 +144,7 @@ Node element(const Node& array, std::size_t index) {
 std::vector<std::pair<std::string, Node>> members(const Node& object) {
   std::vector<std::pair<std::string, Node>> list;
   for (const auto& [name, value] : object.json->items())
-    list.emplace_back(name, Node{&value, object.pointer + pointer_step(name), object.findings});
+    list.emplace_back(name, Node{&value, object.pointer + '/' + pointer_step(name), object.findings});
   return list;
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "api/pointer_step.h"
+
 namespace api {
 namespace {
 
@@ -125,7 +127,7 @@ class StrictCheck final : public nlohmann::json_sax<ParsedJson> {
     std::string text;
     for (const Level& level : levels_) {
       if (level.is_object) {
-        text += pointer_step(level.name);
+        text += '/' + pointer_step(level.name);
         continue;
       }
       const bool innermost = &level == &levels_.back();
@@ -146,19 +148,6 @@ class StrictCheck final : public nlohmann::json_sax<ParsedJson> {
 };
 
 }  // namespace
-
-std::string pointer_step(std::string_view name) {
-  std::string step = "/";
-  for (const char c : name) {
-    if (c == '~')
-      step += "~0";
-    else if (c == '/')
-      step += "~1";
-    else
-      step += c;
-  }
-  return step;
-}
 
 std::optional<ParsedJson> parse_strictly(std::string_view bytes, std::string_view file,
                                          const JsonLimits& limits, std::vector<Violation>& violations) {

@@ -14,7 +14,4 @@ namespace api {
 std::optional<ParsedJson> parse_strictly(std::string_view bytes, std::string_view file,
                                          const JsonLimits& limits, std::vector<Violation>& violations);
 
-/// `name` as one step of a JSON pointer, with its slash: "/a~1b" for "a/b" (RFC 6901).
-std::string pointer_step(std::string_view name);
-
 }  // namespace api

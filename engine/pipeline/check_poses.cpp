@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "api/pointer_step.h"
 #include "engine/scene/names.h"
 
 namespace engine {
@@ -89,7 +90,7 @@ std::string rounded(double value) {
 
 api::Violation too_far(const char* section, const std::string& name, FrameIndex frame) {
   return {"animation.json",
-          section + pointer_step(name),
+          section + api::pointer_step(name),
           0,
           0,
           "out_of_range",

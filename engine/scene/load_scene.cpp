@@ -1,3 +1,4 @@
+#include "api/pointer_step.h"
 #include "api/refusal_text.h"
 #include "engine/scene/clean_polygons.h"
 #include "engine/scene/input_files.h"
@@ -25,7 +26,7 @@ std::vector<std::string> animated_names(const api::SceneDescription& description
 void check_objects(const ObjFile& obj, const std::vector<std::string>& animated, Violations& all) {
   for (std::size_t i = 1; i < animated.size() && all.size() < api::kViolationsMax; ++i) {
     if (obj.animated_seen[i]) continue;
-    all.push_back({kAnimation, "/objects/" + pointer_step(animated[i]), 0, 0, "unknown_object",
+    all.push_back({kAnimation, "/objects/" + api::pointer_step(animated[i]), 0, 0, "unknown_object",
                    "scene.obj has no object or group " + excerpt(animated[i]) +
                        did_you_mean(animated[i], obj.o_and_g_names)});
   }

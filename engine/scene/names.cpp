@@ -1,7 +1,8 @@
 #include "engine/scene/names.h"
 
-#include <algorithm>
 #include <vector>
+
+#include "api/nearest_name.h"
 
 namespace engine {
 namespace {
@@ -53,21 +54,6 @@ std::string from_latin1(std::string_view bytes) {
   return out;
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row[b.size()];
-}
-
 }  // namespace
 
 std::string utf8_name(std::string_view bytes) {
@@ -90,34 +76,9 @@ std::string excerpt(std::string_view bytes) {
   return out + "'";
 }
 
-std::string pointer_step(std::string_view name) {
-  std::string out;
-  for (const char c : name) {
-    if (c == '~')
-      out += "~0";
-    else if (c == '/')
-      out += "~1";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string nearest_name(std::string_view name, std::span<const std::string> known) {
-  if (name.size() > kComparedBytes) return {};
-  std::size_t best_distance = std::max<std::size_t>(2, name.size() / 3) + 1;
-  std::string best;
-  for (const std::string& candidate : known) {
-    const std::size_t longer = std::max(candidate.size(), name.size());
-    const std::size_t shorter = std::min(candidate.size(), name.size());
-    if (candidate.empty() || candidate.size() > kComparedBytes || longer - shorter >= best_distance) continue;
-    const std::size_t distance = edit_distance(name, candidate);
-    if (distance < best_distance && distance < candidate.size()) {
-      best_distance = distance;
-      best = candidate;
-    }
-  }
-  return best;
+  const std::vector<std::string_view> names(known.begin(), known.end());
+  return std::string(api::nearest_name(name, names, kComparedBytes).value_or(""));
 }
 
 std::string did_you_mean(std::string_view name, std::span<const std::string> known) {

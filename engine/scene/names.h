@@ -14,13 +14,7 @@ std::string utf8_name(std::string_view bytes);
 /// A piece of a file for a message, in single quotes: at most 40 bytes of it, printable UTF-8.
 std::string excerpt(std::string_view bytes);
 
-/// `name` as one step of a JSON pointer (RFC 6901): '~' and '/' escaped.
-std::string pointer_step(std::string_view name);
-
-/// The entry of `known` nearest to `name`, if no more than a third of its letters (but two at least) are
-/// wrong;
-/// "" if none.
-/// Entries over 100 bytes are passed over, to bound the work.
+/// The entry of `known` that api::nearest_name answers, "" for none. Entries over 100 bytes are passed over.
 std::string nearest_name(std::string_view name, std::span<const std::string> known);
 
 /// `; did you mean "lamp"?`, or "".

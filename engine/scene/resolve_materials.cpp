@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "api/pointer_step.h"
 #include "engine/scene/mtl_library.h"
 
 namespace engine {
@@ -58,7 +59,7 @@ class MaterialResolver {
 };
 
 std::string remedy(const MtlMaterial& mtl) {
-  return "set /materials/" + pointer_step(mtl.name.name) + "/reflectance in animation.json";
+  return "set /materials/" + api::pointer_step(mtl.name.name) + "/reflectance in animation.json";
 }
 
 /// The mean of map_Kd, placed where map_Kd stands; black after a violation.
@@ -150,7 +151,7 @@ void check_description(const ObjFile& obj, const MtlLibrary& library, const std:
     if (library.materials.contains(name)) {
       warnings.push_back(std::string(kAnimation) + ": no face has the material " + excerpt(name));
     } else if (library.complete && all.size() < api::kViolationsMax) {
-      all.push_back({kAnimation, "/materials/" + pointer_step(name), 0, 0, "unknown_material",
+      all.push_back({kAnimation, "/materials/" + api::pointer_step(name), 0, 0, "unknown_material",
                      "the MTL files have no material " + excerpt(name) + did_you_mean(name, known)});
     }
   }

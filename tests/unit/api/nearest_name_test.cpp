@@ -1,4 +1,4 @@
-#include "api/json/nearest_name.h"
+#include "api/nearest_name.h"
 
 #include <gtest/gtest.h>
 

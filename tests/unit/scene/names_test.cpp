@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "api/pointer_step.h"
+
 namespace engine {
 namespace {
 
@@ -31,7 +33,7 @@ TEST(Excerpts, AreCutBetweenCharacters) {
 }
 
 TEST(Pointers, EscapeTildesAndSlashes) {
-  EXPECT_EQ(pointer_step("a/b~c"), "a~1b~0c");
+  EXPECT_EQ(api::pointer_step("a/b~c"), "a~1b~0c");
 }
 
 TEST(NearestName, ForgivesAThirdOfTheLetters) {

@@ -1,4 +1,4 @@
-#include "api/json/nearest_name.h"
+#include "api/nearest_name.h"
 
 #include <algorithm>
 #include <numeric>
@@ -6,8 +6,6 @@
 
 namespace api {
 namespace {
-// A stranger's name may be long; nobody mistypes one of ours that way.
-constexpr std::size_t kComparableBytes = 64;
 constexpr std::size_t kListedNames = 12;
 }  // namespace
 
@@ -26,13 +24,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-std::optional<std::string_view> nearest_name(std::string_view given,
-                                             std::span<const std::string_view> names) {
-  if (given.size() > kComparableBytes) return std::nullopt;
+std::optional<std::string_view> nearest_name(std::string_view given, std::span<const std::string_view> names,
+                                             std::size_t bytes_max) {
+  if (given.size() > bytes_max) return std::nullopt;
   std::optional<std::string_view> nearest;
   std::size_t smallest = std::max<std::size_t>(2, given.size() / 3) + 1;
   for (const std::string_view name : names) {
-    if (name.size() > kComparableBytes) continue;
+    const std::size_t longer = std::max(given.size(), name.size());
+    const std::size_t shorter = std::min(given.size(), name.size());
+    if (name.size() > bytes_max || longer - shorter >= smallest) continue;  // so many letters at least
     const std::size_t distance = edit_distance(given, name);
     if (distance >= smallest || distance >= name.size()) continue;
     smallest = distance;
