@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <memory>
 
 #include "engine/base/parallel.h"
 #include "engine/base/sobol.h"

@@ -71,11 +71,8 @@ struct Piece {
 
 std::vector<Light> find_lights(const Patches& patches, const Animation& animation) {
   std::vector<Light> lights;
-  for (std::uint32_t f = 0; f < patches.facets.size(); ++f) {
-    const auto& series = animation.exitance_w_m2[patches.facets[f].material];
-    if (std::any_of(series.begin(), series.end(), [](Rgb e) { return max_channel(e) > 0; }))
-      lights.push_back({f});
-  }
+  for (std::uint32_t f = 0; f < patches.facets.size(); ++f)
+    if (ever_emits(animation, patches.facets[f].material)) lights.push_back({f});
   return lights;
 }
 

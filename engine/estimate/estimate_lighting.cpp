@@ -32,7 +32,7 @@ api::Status add_indirect(const LitScene& lit, std::span<const FrameIndex> frames
     irradiance.add(std::move(indirect->irradiance_w_m2));
   }
   estimate.indirect_w_m2 = irradiance.mean();
-  estimate.noise_w_m2 = irradiance.noise_in_time();
+  estimate.noise_w_m2 = irradiance.noise_in_time(estimate.indirect_w_m2);
   const std::vector<Rgb> reflectance = reflectance_of_patches(lit.scene, lit.patches);
   for (PatchId patch = 0; patch < lit.patches.count(); ++patch)
     estimate.noise_w_m2[patch] *= max_channel(reflectance[patch]);

@@ -29,15 +29,14 @@ PatchSeries Replicates::mean() const {
   return mean;
 }
 
-std::vector<float> Replicates::noise_in_time() const {
-  const PatchSeries centre = mean();
+std::vector<float> Replicates::noise_in_time(const PatchSeries& mean) const {
   const double count = static_cast<double>(all_.size());
-  const double degrees = (count - 1) * std::max(1u, centre.frame_count - 1);
-  std::vector<float> noise(centre.patch_count, 0.0f);
-  for (PatchId patch = 0; patch < centre.patch_count; ++patch) {
+  const double degrees = (count - 1) * std::max(1u, mean.frame_count - 1);
+  std::vector<float> noise(mean.patch_count, 0.0f);
+  for (PatchId patch = 0; patch < mean.patch_count; ++patch) {
     double squares = 0;
     for (const PatchSeries& replicate : all_)
-      squares += squares_in_time(replicate.row(patch), centre.row(patch), centre.frame_count);
+      squares += squares_in_time(replicate.row(patch), mean.row(patch), mean.frame_count);
     noise[patch] = static_cast<float>(std::sqrt(squares / degrees / count));
   }
   return noise;

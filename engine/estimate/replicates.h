@@ -14,10 +14,10 @@ class Replicates {
 
   PatchSeries mean() const;
 
-  /// Standard error of mean() in time, largest channel, [patch]: the deviations of the replicates from it,
-  /// each less its own mean over the frames, pooled over the frames. What is common to all frames is left
-  /// out.
-  std::vector<float> noise_in_time() const;
+  /// Standard error in time of `mean`, which is mean(), largest channel, [patch]: the deviations of the
+  /// replicates from it, each less its own mean over the frames, pooled over the frames. What is common to
+  /// all frames is left out.
+  std::vector<float> noise_in_time(const PatchSeries& mean) const;
 
  private:
   std::vector<PatchSeries> all_;

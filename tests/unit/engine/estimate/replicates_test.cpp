@@ -33,14 +33,14 @@ TEST(Replicates, TheMeanIsTheirMean) {
 
 TEST(Replicates, EqualOnesHaveNoNoise) {
   const auto all = replicates_of([](auto, auto p, auto f) { return static_cast<float>((p * f) % 8); });
-  for (const float noise : all.noise_in_time()) ASSERT_EQ(noise, 0);
+  for (const float noise : all.noise_in_time(all.mean())) ASSERT_EQ(noise, 0);
 }
 
 // Each replicate off by a constant of its own: that moves no key-frame.
 TEST(Replicates, WhatIsCommonToAllFramesIsLeftOut) {
   const auto all =
       replicates_of([](auto r, auto p, auto f) { return static_cast<float>(8 * r + p % 4 + f); });
-  for (const float noise : all.noise_in_time()) ASSERT_NEAR(noise, 0, 1e-5);
+  for (const float noise : all.noise_in_time(all.mean())) ASSERT_NEAR(noise, 0, 1e-5);
 }
 
 // Independent normal deviates of spread s: the standard error of the mean of 4 is s / 2. One patch has
@@ -51,7 +51,7 @@ TEST(Replicates, NoiseIsTheStandardErrorOfTheMean) {
   std::normal_distribution<float> normal(0, 0.3f);
   const auto all = replicates_of([&](auto, auto, auto f) { return static_cast<float>(f) + normal(random); });
   double squares = 0;
-  for (const float noise : all.noise_in_time()) {
+  for (const float noise : all.noise_in_time(all.mean())) {
     EXPECT_NEAR(noise, 0.15, 5 * 0.065 * 0.15);
     squares += double{noise} * noise / kPatches;
   }
@@ -67,7 +67,7 @@ TEST(Replicates, TheLargestChannelCounts) {
     all.add(std::move(series));
   }
   // Deviations of blue: 1 in two frames of two replicates, one degree of freedom; sqrt(4 / 1 / 2).
-  EXPECT_FLOAT_EQ(all.noise_in_time()[0], std::sqrt(2.0f));
+  EXPECT_FLOAT_EQ(all.noise_in_time(all.mean())[0], std::sqrt(2.0f));
 }
 
 }  // namespace
