@@ -13,28 +13,16 @@
 #include "engine/base/parallel.h"
 #include "engine/image/render_frame.h"
 #include "engine/image/tone_map.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/image/read_image.h"
 #include "tests/unit/image/rooms.h"
 
 namespace {
 
 namespace fs = std::filesystem;
+using tests::bytes_of;
+using Folder = tests::TemporaryFolder;
 using engine::Rgb;
-
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "keylume_images_XXXXXX").string();
-    path = ::mkdtemp(name.data());
-  }
-  ~Folder() { fs::remove_all(path); }
-  fs::path path;
-};
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// A closed room, 4 m x 3 m x 2.5 m off the origin, with a thing in it that a moving box passes: object 0
 /// rests, object 1 takes another place in every frame and is away in the last.
@@ -101,11 +89,11 @@ TEST(RenderImages, AFurnaceWithMovingThingsIsOneColourWithoutACrack) {
     api::ImageOptions options = small(camera);
     options.width = 640;
     options.height = 480;
-    const auto files = furnace.render(glow, options, folder.path);
+    const auto files = furnace.render(glow, options, folder.path());
     ASSERT_TRUE(files) << files.error().message;
     ASSERT_EQ(files->size(), 8u);
     for (engine::FrameIndex f = 0; f < 4; ++f) {
-      const auto radiance = tests::read_floats(folder.path / ("000" + std::to_string(f) + ".exr"));
+      const auto radiance = tests::read_floats(folder.path() / ("000" + std::to_string(f) + ".exr"));
       ASSERT_EQ(radiance.size(), 640u * 480 * 3);
       // Half floats have 11 bits: one unit in the last place is 2^-11 relative.
       for (std::size_t i = 0; i < radiance.size(); ++i) {
@@ -113,7 +101,7 @@ TEST(RenderImages, AFurnaceWithMovingThingsIsOneColourWithoutACrack) {
         ASSERT_NEAR(radiance[i], expected, expected * 0x1p-11f)
             << camera << " frame " << f << " pixel " << i / 3 % 640 << ", " << i / 3 / 640;
       }
-      const auto shown = tests::read_bytes(folder.path / ("000" + std::to_string(f) + ".png"));
+      const auto shown = tests::read_bytes(folder.path() / ("000" + std::to_string(f) + ".png"));
       for (std::size_t i = 3; i < shown.size(); ++i) ASSERT_EQ(shown[i], shown[i % 3]);
     }
   }
@@ -125,8 +113,8 @@ TEST(RenderImages, ExrHoldsRadiosityOverPiAsHalfFloats) {
   furnace.look("still", kIntoTheCorner, kIntoTheCorner);
   Folder folder;
   const auto glow = tests::series_of(*furnace.patches, 1, [](auto, auto) { return Rgb{8, 1, 1.0f / 64}; });
-  ASSERT_TRUE(furnace.render(glow, small("still"), folder.path));
-  const auto radiance = tests::read_floats(folder.path / "0000.exr");
+  ASSERT_TRUE(furnace.render(glow, small("still"), folder.path()));
+  const auto radiance = tests::read_floats(folder.path() / "0000.exr");
   // 8 / pi = 2.546479..., and the nearest halves: n / 512 in [2, 4), and so on down by octaves.
   const auto nearest_half = [](double x) {
     const double unit = std::exp2(std::floor(std::log2(x)) - 10);
@@ -142,8 +130,8 @@ TEST(RenderImages, RadianceBeyondTheLargestHalfIsThatHalf) {
   furnace.look("still", kIntoTheCorner, kIntoTheCorner);
   Folder folder;
   const auto glow = tests::series_of(*furnace.patches, 1, [](auto, auto) { return Rgb{1e7f, 1, 1}; });
-  ASSERT_TRUE(furnace.render(glow, small("still"), folder.path));
-  EXPECT_EQ(tests::read_floats(folder.path / "0000.exr")[0], 65504.0f);
+  ASSERT_TRUE(furnace.render(glow, small("still"), folder.path()));
+  EXPECT_EQ(tests::read_floats(folder.path() / "0000.exr")[0], 65504.0f);
 }
 
 Rgb rough(engine::PatchId patch, engine::Vec3 p) {
@@ -156,27 +144,27 @@ TEST(RenderImages, TheSameBytesWithOneThreadAndWithTwo) {
   const auto radiosity = tests::series_of(*furnace.patches, 6, rough);
   Folder one, two;
   engine::set_thread_count(1);
-  const auto files = furnace.render(radiosity, small("still"), one.path);
+  const auto files = furnace.render(radiosity, small("still"), one.path());
   engine::set_thread_count(2);
-  ASSERT_TRUE(furnace.render(radiosity, small("still"), two.path));
+  ASSERT_TRUE(furnace.render(radiosity, small("still"), two.path()));
   engine::set_thread_count(0);
   ASSERT_TRUE(files);
   ASSERT_EQ(files->size(), 12u);
   for (const std::string& file : *files)
-    EXPECT_EQ(bytes_of(one.path / file), bytes_of(two.path / file)) << file;
-  EXPECT_EQ(std::distance(fs::directory_iterator(one.path), {}), 12) << "something else is left";
+    EXPECT_EQ(bytes_of(one.path() / file), bytes_of(two.path() / file)) << file;
+  EXPECT_EQ(std::distance(fs::directory_iterator(one.path()), {}), 12) << "something else is left";
 }
 
 TEST(RenderImages, FilesTellNeitherTimeNorMachine) {
   Furnace furnace(1);
   furnace.look("still", kIntoTheCorner, kIntoTheCorner);
   Folder folder;
-  ASSERT_TRUE(furnace.render(tests::series_of(*furnace.patches, 1, rough), small("still"), folder.path));
+  ASSERT_TRUE(furnace.render(tests::series_of(*furnace.patches, 1, rough), small("still"), folder.path()));
   const std::time_t now = std::time(nullptr);
   char month[16];
   std::strftime(month, sizeof month, "%Y:%m", std::gmtime(&now));  // as EXR's capDate and PNG's text say it
   for (const char* file : {"0000.png", "0000.exr"}) {
-    const std::string bytes = bytes_of(folder.path / file);
+    const std::string bytes = bytes_of(folder.path() / file);
     ASSERT_FALSE(bytes.empty());
     for (const std::string& word :
          std::vector<std::string>{month, "tIME", "Software", "HostComputer", "OpenImageIO"})
@@ -226,9 +214,9 @@ TEST(RenderImages, AMovingObjectHidesTheWallInItsFrameOnly) {
   });
   Folder folder;
   const engine::StaticRays rays(*patches, animation);
-  ASSERT_TRUE(engine::render_images(*patches, animation, rays, radiosity, small("c"), folder.path, {}));
+  ASSERT_TRUE(engine::render_images(*patches, animation, rays, radiosity, small("c"), folder.path(), {}));
   for (int f = 0; f < 3; ++f) {
-    const auto pixels = tests::read_floats(folder.path / ("000" + std::to_string(f) + ".exr"));
+    const auto pixels = tests::read_floats(folder.path() / ("000" + std::to_string(f) + ".exr"));
     const std::size_t centre = 3 * (60 * 160 + 80), corner = 0;
     EXPECT_EQ(pixels[centre + 1] == 0, f == 1) << "frame " << f;
     EXPECT_GT(pixels[corner + 1], 0.3f);
@@ -247,11 +235,11 @@ TEST(RenderImages, ChecksWhetherToStopBeforeEachFrameAndLeavesOnlyWholeFiles) {
   engine::Progress progress;
   progress.report = [&](double fraction) { stop = fraction >= 0.1; };
   progress.stop_requested = [&] { return stop.load(); };
-  const auto files = furnace.render(glow, small("still"), folder.path, progress);
+  const auto files = furnace.render(glow, small("still"), folder.path(), progress);
   ASSERT_FALSE(files);
   EXPECT_EQ(files.error().fault, api::Fault::stopped);
   std::size_t whole = 0;
-  for (const auto& entry : fs::directory_iterator(folder.path)) {
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
     EXPECT_NE(entry.path().filename().string().substr(0, 4), ".tmp");
     if (entry.path().extension() != ".exr") continue;
     ++whole;
@@ -287,9 +275,9 @@ TEST(RenderImages, TheEdgeOfALampIsShadedInPngAndTrueInExr) {
   });
   Folder folder;
   const engine::StaticRays rays(*patches, animation);
-  ASSERT_TRUE(engine::render_images(*patches, animation, rays, radiosity, small("c"), folder.path, {}));
-  const auto shown = tests::read_bytes(folder.path / "0000.png");
-  const auto radiance = tests::read_floats(folder.path / "0000.exr");
+  ASSERT_TRUE(engine::render_images(*patches, animation, rays, radiosity, small("c"), folder.path(), {}));
+  const auto shown = tests::read_bytes(folder.path() / "0000.png");
+  const auto radiance = tests::read_floats(folder.path() / "0000.exr");
   int white = 0, between = 0, partly_lit = 0;
   for (std::size_t i = 0; i < shown.size(); i += 3) {
     const bool partly = radiance[i] > 10 && radiance[i] < 3100;
@@ -312,9 +300,9 @@ TEST(RenderImages, ExposureInStopsDoublesWhatIsShown) {
   options.tone_map = api::ToneMap::clip;
   options.exposure_stops = 2;
   Folder folder;
-  ASSERT_TRUE(furnace.render(glow, options, folder.path));
+  ASSERT_TRUE(furnace.render(glow, options, folder.path()));
   const double exact = 255 * engine::srgb_encode(4 * 0.3 / std::numbers::pi);
-  EXPECT_EQ(tests::read_bytes(folder.path / "0000.png")[0], std::lround(exact));
+  EXPECT_EQ(tests::read_bytes(folder.path() / "0000.png")[0], std::lround(exact));
 }
 
 }  // namespace

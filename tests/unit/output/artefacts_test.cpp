@@ -10,26 +10,14 @@
 #include "engine/output/npy.h"
 #include "engine/output/sha256.h"
 #include "engine/output/zip_store.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/unit/output/sample.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "keylume_output_XXXXXX").string();
-    path = ::mkdtemp(name.data());
-  }
-  ~Folder() { fs::remove_all(path); }
-  fs::path path;
-};
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+using tests::bytes_of;
+using Folder = tests::TemporaryFolder;
 
 // FIPS 180-4's own examples, and a million times "a" (longer than one read buffer).
 TEST(Sha256, AgreesWithTheVectorsOfTheStandard) {
@@ -38,8 +26,8 @@ TEST(Sha256, AgreesWithTheVectorsOfTheStandard) {
   EXPECT_EQ(engine::sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
             "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
   Folder folder;
-  ASSERT_TRUE(engine::write_file(folder.path / "a", std::string(1'000'000, 'a')));
-  const auto digest = engine::digest_file(folder.path / "a");
+  ASSERT_TRUE(engine::write_file(folder.path() / "a", std::string(1'000'000, 'a')));
+  const auto digest = engine::digest_file(folder.path() / "a");
   ASSERT_TRUE(digest);
   EXPECT_EQ(digest->bytes, 1'000'000u);
   EXPECT_EQ(digest->sha256, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
@@ -58,8 +46,9 @@ TEST(Npy, HeaderIsAlignedAndTellsItsLength) {
 TEST(RadiosityNpy, TransposesASeriesLargerThanItsBuffer) {
   constexpr std::uint32_t kPatches = 3000, kFrames = 2000;
   Folder folder;
-  ASSERT_TRUE(engine::write_radiosity_npy(folder.path / "b.npy", tests::numbered_series(kPatches, kFrames)));
-  const std::string bytes = bytes_of(folder.path / "b.npy");
+  ASSERT_TRUE(
+      engine::write_radiosity_npy(folder.path() / "b.npy", tests::numbered_series(kPatches, kFrames)));
+  const std::string bytes = bytes_of(folder.path() / "b.npy");
   const std::size_t start = bytes.find('\n') + 1;
   ASSERT_EQ(bytes.size(), start + std::size_t{kPatches} * kFrames * 12);
   for (std::size_t f = 0; f < kFrames; f += 7)
@@ -74,8 +63,8 @@ TEST(RadiosityNpy, TransposesASeriesLargerThanItsBuffer) {
 
 TEST(RadiosityNpy, WritesAHeaderOnlyWhenThereAreNoPatches) {
   Folder folder;
-  ASSERT_TRUE(engine::write_radiosity_npy(folder.path / "b.npy", engine::PatchSeries(0, 4)));
-  EXPECT_EQ(fs::file_size(folder.path / "b.npy") % 64, 0u);
+  ASSERT_TRUE(engine::write_radiosity_npy(folder.path() / "b.npy", engine::PatchSeries(0, 4)));
+  EXPECT_EQ(fs::file_size(folder.path() / "b.npy") % 64, 0u);
 }
 
 TEST(PatchesNpz, CutsNamesThatAreTooLong) {
@@ -84,14 +73,14 @@ TEST(PatchesNpz, CutsNamesThatAreTooLong) {
   scene.objects[0].name = std::string(60'000, 'x');
   const auto patches = engine::mesh_into_patches(scene, 0.5);
   ASSERT_TRUE(patches);
-  ASSERT_TRUE(engine::write_patches_npz(folder.path / "p.npz", scene, *patches, tests::sample_animation()));
-  EXPECT_NE(bytes_of(folder.path / "p.npz").find("'<U256'"), std::string::npos);
-  EXPECT_LT(fs::file_size(folder.path / "p.npz"), 20'000u);
+  ASSERT_TRUE(engine::write_patches_npz(folder.path() / "p.npz", scene, *patches, tests::sample_animation()));
+  EXPECT_NE(bytes_of(folder.path() / "p.npz").find("'<U256'"), std::string::npos);
+  EXPECT_LT(fs::file_size(folder.path() / "p.npz"), 20'000u);
 }
 
 TEST(ZipStore, RefusesAnArchiveOfFourGibibytes) {
   Folder folder;
-  auto file = engine::DurableFile::create(folder.path / "big.zip");
+  auto file = engine::DurableFile::create(folder.path() / "big.zip");
   ASSERT_TRUE(file);
   engine::ZipStore zip(*file);
   const auto begun = zip.begin("huge.npy", std::uint64_t{4} << 30);
@@ -103,20 +92,20 @@ TEST(ZipStore, RefusesAnArchiveOfFourGibibytes) {
 TEST(Manifest, EscapesWhatJsonReserves) {
   Folder folder;
   const std::string name = "a\"b\\c\td";
-  ASSERT_TRUE(engine::write_file(folder.path / name, "x"));
+  ASSERT_TRUE(engine::write_file(folder.path() / name, "x"));
   const engine::Artefact artefact{name, "image/png"};
-  ASSERT_TRUE(engine::write_manifest(folder.path, {&artefact, 1}));
-  EXPECT_NE(bytes_of(folder.path / "manifest.json").find(R"("a\"b\\c\u0009d")"), std::string::npos);
+  ASSERT_TRUE(engine::write_manifest(folder.path(), {&artefact, 1}));
+  EXPECT_NE(bytes_of(folder.path() / "manifest.json").find(R"("a\"b\\c\u0009d")"), std::string::npos);
 }
 
 TEST(Manifest, IsNotWrittenWhenAFileOfItIsMissing) {
   Folder folder;
   const engine::Artefact artefact{"gone.png", "image/png"};
-  const auto written = engine::write_manifest(folder.path, {&artefact, 1});
+  const auto written = engine::write_manifest(folder.path(), {&artefact, 1});
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().fault, api::Fault::internal);
   EXPECT_NE(written.error().message.find("gone.png"), std::string::npos) << written.error().message;
-  EXPECT_TRUE(fs::is_empty(folder.path));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 }  // namespace

@@ -13,25 +13,18 @@
 #include <iterator>
 
 #include "engine/output/artefacts.h"
+#include "tests/support/temporary_folder.h"
 
 namespace {
 
 namespace fs = std::filesystem;
+using tests::bytes_of;
 
 class DurableFileTest : public ::testing::Test {
  protected:
-  DurableFileTest() {
-    std::string name = (fs::temp_directory_path() / "keylume_durable_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~DurableFileTest() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const tests::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 TEST_F(DurableFileTest, ReplacesWhatHadTheNameBefore) {
   ASSERT_TRUE(engine::write_file(folder_ / "a", "old and longer"));
