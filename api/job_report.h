@@ -38,16 +38,28 @@ struct KeyFrameInterval {
   /// On the coarse estimate, largest over the frames between; less 4 standard errors of the estimate's noise,
   /// at least 0.
   std::optional<double> predicted_error;
-  /// At the check frame, of having left it out. Noise of the solution is part of it, so it is more than the
-  /// error of interpolation alone.
+  /// On the patches of the solution, largest at the frames that were solved to check it, of having left them
+  /// out; with the interpolation that was used.
   std::optional<double> observed_error;
+  /// Is what was promised kept, as far as can be told: observed_error where there is one, else
+  /// predicted_error, within the tolerance? Not known in modes that promise nothing.
+  std::optional<bool> kept = std::nullopt;
 };
 
 /// artefacts/key_frames.json. No times in it: the same job gives the same bytes.
 struct KeyFrameReport {
   LightingMode mode = LightingMode::standard;
-  std::vector<FrameRecord> frames;          ///< one per frame of the animation
-  std::vector<KeyFrameInterval> intervals;  ///< between neighbouring `key` frames
+  std::optional<double> tolerance;                 ///< mode `default`: what was promised
+  std::vector<FrameRecord> frames;                 ///< one per frame of the animation
+  std::vector<KeyFrameInterval> intervals;         ///< between neighbouring `key` frames
+  std::optional<double> tolerance = std::nullopt;  ///< mode `default`: what was promised
+};
+
+/// What a job is expected to take, before it runs: `keylume check`, POST /v1/validate.
+struct Forecast {
+  std::uint64_t patches = 0, frames = 0, polygons = 0;
+  std::uint64_t memory_bytes = 0;  ///< peak of the worker
+  double seconds = 0;              ///< on this machine with the cores a worker gets
 };
 
 /// report.json, beside artefacts/ (it holds times, so it is no artefact).
@@ -60,6 +72,12 @@ struct JobReport {
   std::vector<std::pair<std::string, double>>
       counts;  ///< "patches", "lines", "exchanges", ...; SI units in the name
   std::uint64_t peak_memory_bytes = 0;
+  /// Noise of the radiosity: area-weighted root mean square standard error over the mean B of the patches
+  /// that do not emit, all frames. None where it was not estimated.
+  std::optional<double> noise;
+  std::optional<double> target_error;  ///< as asked for
+  std::optional<bool> target_error_met;
+  std::optional<Forecast> forecast;  ///< of `keylume check`, and of `render` before it began
 };
 
 // Defined in api/json/.

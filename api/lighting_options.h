@@ -2,6 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace api {
 
@@ -9,10 +13,36 @@ namespace api {
 enum class Preset { draft, standard, high };
 
 enum class LightingMode {
-  standard,       ///< JSON "default": key-frames by interpolation error of the indirect light
-  paper,          ///< Table 1 of Besuievsky & Pueyo with its last key marked; total radiosity interpolated
-  paper_literal,  ///< Table 1 as printed: its last detected key-frame is lost
-  reference,      ///< every frame is solved, nothing is interpolated
+  standard,        ///< JSON "default": key-frames by interpolation error of the indirect light
+  paper,           ///< Table 1 of Besuievsky & Pueyo with its last key marked; total radiosity interpolated
+  paper_literal,   ///< Table 1 as printed: its last detected key-frame is lost
+  reference,       ///< every frame is solved, nothing is interpolated
+  frame_by_frame,  ///< every frame is solved alone, as if there were no others: what MFLM is measured against
+};
+
+/// What Table 1 compares of a patch in two frames.
+enum class Table1Metric {
+  power,      ///< A B  [W], as printed
+  radiosity,  ///< B  [W/m^2]
+  relative,   ///< B over max(B in either frame, half the mean B)  [-]
+};
+
+/// How values between two key-frames are found.
+enum class Interpolation {
+  linear,
+  monotone_cubic,  ///< PCHIP: cubic Hermite with Fritsch-Carlson slopes; no overshoot
+};
+
+/// What is interpolated.
+enum class Interpolated {
+  indirect,  ///< static transport of indirect light; all the rest is computed in every frame
+  total,     ///< all radiosity, as in Besuievsky & Pueyo; modes `paper` and `paper-literal` always do
+};
+
+/// How surfaces are cut into patches.
+enum class PatchLayout {
+  uniform,   ///< every edge into parts of patch_edge_m
+  adaptive,  ///< finer where direct light changes inside a patch, coarser where nothing happens
 };
 
 /// How light gets from emitters to patches.
@@ -30,6 +60,18 @@ struct LightingOptions {
   /// Error falls as 1/sqrt(line_count), time grows with it.  [lines] 1e3 .. 1e9
   std::uint64_t line_count = 4'000'000;
 
+  /// Of these lines, those that the moving objects are traced against too; not more than line_count.
+  /// [lines] 1e3 .. 1e9
+  std::uint64_t moving_line_count = 2'000'000;
+
+  /// Instead of line counts: lines and shadow rays are added until the noise of the radiosity, its
+  /// area-weighted root mean square standard error over the mean B of the patches that do not emit, is at
+  /// most this. The counts above are then what is begun with.  [-] 1e-4 .. 1; none: not asked for
+  std::optional<double> target_error;
+
+  /// Artefact radiosity_se.npy: the standard error of every patch and frame.
+  bool standard_errors = true;
+
   /// Shadow rays per patch and light, whatever the frame count. Penumbras get smoother with more; a scene
   /// with one light wants 64.  [rays] 1 .. 1024
   std::uint32_t samples_per_light = 16;
@@ -38,6 +80,11 @@ struct LightingOptions {
   /// needs. Lengths are those of the OBJ in metres, before the scale that the animation gives an object.
   /// Memory and time grow with its inverse square.  [m] 1e-4 .. 1e4
   double patch_edge_m = 0.175;
+
+  PatchLayout patch_layout = PatchLayout::uniform;
+
+  /// Layout `adaptive`: at most so many patches.  [patches] 100 .. 20e6
+  std::uint64_t patch_count_max = 200'000;
 
   /// The same for the coarse estimate that chooses the key-frames.  [m] 1e-3 .. 1e4
   double estimate_patch_edge_m = 2.0;
@@ -49,8 +96,16 @@ struct LightingOptions {
   /// (0, 1]
   double tolerance = 0.05;
 
-  /// Modes `paper` and `paper-literal`: Table 1's threshold on a patch's power.  [W] > 0
-  double epsilon_w = 0.1;
+  /// Modes `paper` and `paper-literal`: Table 1's threshold, in the unit of `metric`.  > 0
+  double epsilon = 0.1;
+  Table1Metric metric = Table1Metric::power;
+
+  Interpolation interpolation = Interpolation::linear;
+  Interpolated interpolated = Interpolated::indirect;
+
+  /// Groups of lights, by name: materials that emit and lights of the scene. Each group's radiosity is an
+  /// artefact of its own; what no group names is in the group "". At most 8 groups.
+  std::map<std::string, std::vector<std::string>> light_groups;
 
   /// The same job and seed give the same bytes, whatever the thread count.  0 .. 2^53 - 1
   std::uint64_t seed = 1;

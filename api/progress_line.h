@@ -17,9 +17,10 @@ std::optional<Stage> stage_named(std::string_view name);
 
 struct ProgressLine {
   Stage stage = Stage::scene;
-  double stage_fraction = 0;  ///< 0 .. 1 of this stage
-  double fraction = 0;        ///< 0 .. 1 of the job; never falls within an attempt
-  std::string message;        ///< may be empty
+  double stage_fraction = 0;                          ///< 0 .. 1 of this stage
+  double fraction = 0;                                ///< 0 .. 1 of the job; never falls within an attempt
+  std::string message;                                ///< may be empty
+  std::optional<double> seconds_left = std::nullopt;  ///< expected; none while there is nothing to tell it by
 };
 
 /// {"stage":"solve","stage_fraction":0.25,"fraction":0.6,"message":""} without a newline. Defined in

@@ -53,6 +53,9 @@ struct RotationTrack {
 
 /// The motion of one OBJ object or group. pose = T * R * S about `pivot`, or one matrix per frame.
 struct ObjectAnimation {
+  /// Name of another entry of `objects`, whose pose is applied after this one's (a wheel on a car), and
+  /// whose absence hides this one too. "": none. No cycles; chains of at most 16.
+  std::string parent;
   Vec3 pivot{0, 0, 0};    ///< [OBJ units]
   Track<Vec3> translate;  ///< [OBJ units]
   RotationTrack rotate;
@@ -70,11 +73,29 @@ enum class Sides { both, front };
 
 /// Overrides of an MTL material; what is not given is as the MTL says (Kd, pi Ke, both sides).
 struct MaterialSettings {
-  std::optional<Vec3> reflectance;  ///< linear RGB, 0 <= rho < 1
-  Track<Vec3> exitance_w_m2;        ///< linear RGB, >= 0  [W/m^2]
+  Track<Vec3> reflectance;    ///< linear RGB, 0 <= rho < 1; it replaces a texture too
+  Track<Vec3> exitance_w_m2;  ///< linear RGB, >= 0  [W/m^2]
   std::optional<Sides> sides;
 
   friend bool operator==(const MaterialSettings&, const MaterialSettings&) = default;
+};
+
+enum class LightType { point, spot, directional };
+
+/// A light without a surface. It is seen by surfaces only, not by cameras.
+struct LightSource {
+  LightType type = LightType::point;
+  Track<Vec3> position;   ///< point, spot  [OBJ units]
+  Track<Vec3> direction;  ///< spot, directional: the way the light travels; any length > 0
+  /// Linear RGB, >= 0. point, spot: radiant intensity along the axis [W/sr]; directional: irradiance of a
+  /// surface that faces it [W/m^2].
+  Track<Vec3> intensity;
+  /// Spot: full intensity within inner, none beyond outer, smooth between (3 t^2 - 2 t^3 of the cosine).
+  /// Half angles from the axis  [degrees] 0 <= inner <= outer, 0 < outer <= 90
+  double inner_degrees = 20, outer_degrees = 30;
+  std::string parent;  ///< an entry of `objects` that carries position and direction; "": none
+
+  friend bool operator==(const LightSource&, const LightSource&) = default;
 };
 
 struct Camera {
@@ -93,6 +114,7 @@ struct SceneDescription {
   bool allow_dark = false;  ///< a scene without any light is an error unless this is set
   std::map<std::string, ObjectAnimation> objects;     ///< by OBJ object or group name
   std::map<std::string, MaterialSettings> materials;  ///< by MTL material name
+  std::map<std::string, LightSource> lights;
   std::map<std::string, Camera> cameras;
 
   friend bool operator==(const SceneDescription&, const SceneDescription&) = default;

@@ -98,7 +98,7 @@ ImageOptions read_image(const Node& node, const std::map<std::string, Camera>& c
 LightingOptions read_lighting(const Node& node) {
   LightingOptions options;
   if (!is_object_of(node, {"preset", "mode", "lines", "line_count", "samples_per_light", "patch_edge_m",
-                           "estimate_patch_edge_m", "estimate_line_count", "tolerance", "epsilon_w", "seed"}))
+                           "estimate_patch_edge_m", "estimate_line_count", "tolerance", "epsilon", "seed"}))
     return options;
   take_named(node, "preset", kPresets, options.preset);
   options = lighting_preset(options.preset);  // first, so that every field given beside it wins
@@ -110,7 +110,7 @@ LightingOptions read_lighting(const Node& node) {
   take_number(node, "estimate_patch_edge_m", kEstimatePatchEdge, options.estimate_patch_edge_m);
   take_whole(node, "estimate_line_count", 1'000, 100'000'000, options.estimate_line_count);
   take_number(node, "tolerance", kTolerance, options.tolerance);
-  take_number(node, "epsilon_w", kEpsilon, options.epsilon_w);
+  take_number(node, "epsilon", kEpsilon, options.epsilon);
   take_whole(node, "seed", 0, kSeedMax, options.seed);
   return options;
 }

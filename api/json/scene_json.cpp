@@ -37,7 +37,9 @@ MaterialSettings read_material(const Node& node, FrameIndex frame_count) {
   MaterialSettings material;
   if (!is_object_of(node, {"reflectance", "exitance_w_m2", "sides"})) return material;
   if (const auto reflectance = member(node, "reflectance"))
-    material.reflectance = number_or_vec3(*reflectance, kReflectance);
+    material.reflectance =
+        read_track<Vec3>(*reflectance, frame_count, kInterpolationNames,
+                         [](const Node& value) { return number_or_vec3(value, kReflectance); });
   if (const auto exitance = member(node, "exitance_w_m2"))
     material.exitance_w_m2 =
         read_track<Vec3>(*exitance, frame_count, kInterpolationNames,

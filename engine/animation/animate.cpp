@@ -39,7 +39,7 @@ Animation animate(const Scene& scene, const api::JobRequest& request) {
                                           description.metres_per_unit, request.frame_count));
   }
   for (const Material& material : scene.materials)
-    animation.exitance_w_m2.push_back(exitance_of(material, description, request.frame_count));
+    animation.emission.exitance_w_m2.push_back(exitance_of(material, description, request.frame_count));
   for (const auto& [name, camera] : description.cameras)
     animation.cameras.emplace(
         name, poses_of(camera, description.up, description.metres_per_unit, request.frame_count));

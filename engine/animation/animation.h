@@ -1,7 +1,6 @@
 // (scene, frame) -> where everything is, what it emits, and from where it is seen.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -9,13 +8,12 @@
 
 #include "api/ids.h"
 #include "api/job_request.h"
+#include "engine/animation/emission.h"
 #include "engine/base/pose.h"
 #include "engine/base/rgb.h"
 #include "engine/scene/scene.h"
 
 namespace engine {
-
-using api::FrameIndex;
 
 /// An object holds one pose, and is visible, in every frame of [first, last].
 struct PoseSpan {
@@ -43,20 +41,18 @@ struct CameraPose {
 
 struct Animation {
   FrameIndex frame_count = 1;
-  std::vector<ObjectMotion> objects;            ///< one per Scene::objects
-  std::vector<std::vector<Rgb>> exitance_w_m2;  ///< [material][frame]; one frame only where it never changes
+  std::vector<ObjectMotion> objects;  ///< one per Scene::objects
+  Emission emission;
+  /// [material][frame], one frame where it never changes; empty where the scene's material says it.
+  std::vector<std::vector<Rgb>> reflectance;
   std::map<std::string, std::vector<CameraPose>> cameras;  ///< by name, [frame]
-
-  Rgb exitance(std::uint32_t material, FrameIndex frame) const {
-    const auto& series = exitance_w_m2[material];
-    return series.size() == 1 ? series[0] : series[frame];
-  }
 };
 
-/// Does `material` emit in some frame?
-inline bool ever_emits(const Animation& animation, std::uint32_t material) {
-  const auto& series = animation.exitance_w_m2[material];
-  return std::any_of(series.begin(), series.end(), [](Rgb e) { return max_channel(e) > 0; });
+/// Reflectance that the animation gives a material, or its own; a texture is left out.
+inline Rgb material_reflectance(const Scene& scene, const Animation& animation, std::uint32_t material,
+                                FrameIndex frame) {
+  const bool keyed = material < animation.reflectance.size() && !animation.reflectance[material].empty();
+  return keyed ? in_frame(animation.reflectance[material], frame) : scene.materials[material].reflectance;
 }
 
 /// Evaluates every track at every frame. `scene` comes from load_scene with `request.scene`, so names match;

@@ -114,7 +114,7 @@ class WindowLighter {
     const float share = 1.0f / static_cast<float>(options_.samples_per_light);
     for (std::uint32_t slot = first; slot <= last; ++slot) {
       const float factor = any_blocked ? std::max(0.0f, unblocked - blocked[slot]) : unblocked;
-      row[slot] += animation_.exitance(light.material, frames_[slot]) * (factor * share);
+      row[slot] += animation_.emission.exitance(light.material, frames_[slot]) * (factor * share);
     }
   }
 

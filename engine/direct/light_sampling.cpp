@@ -72,7 +72,7 @@ struct Piece {
 std::vector<Light> find_lights(const Patches& patches, const Animation& animation) {
   std::vector<Light> lights;
   for (std::uint32_t f = 0; f < patches.facets.size(); ++f)
-    if (ever_emits(animation, patches.facets[f].material)) lights.push_back({f});
+    if (animation.emission.ever_emits(patches.facets[f].material)) lights.push_back({f});
   return lights;
 }
 

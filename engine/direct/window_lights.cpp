@@ -6,7 +6,7 @@ namespace {
 SlotMask lit_slots(const Animation& animation, std::uint32_t material, std::span<const FrameIndex> frames) {
   SlotMask lit;
   for (std::uint32_t slot = 0; slot < frames.size(); ++slot)
-    if (max_channel(animation.exitance(material, frames[slot])) > 0) lit.set(slot, slot);
+    if (max_channel(animation.emission.exitance(material, frames[slot])) > 0) lit.set(slot, slot);
   return lit;
 }
 

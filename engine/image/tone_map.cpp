@@ -42,8 +42,8 @@ constexpr std::uint32_t kPoints = (32u << kPointBits) + 1;
 double auto_exposure_factor(const Patches& patches, const Animation& animation,
                             const PatchSeries& radiosity_w_m2) {
   std::vector<bool> emits;  // [material]
-  for (std::uint32_t m = 0; m < animation.exitance_w_m2.size(); ++m)
-    emits.push_back(ever_emits(animation, m));
+  for (std::uint32_t m = 0; m < animation.emission.exitance_w_m2.size(); ++m)
+    emits.push_back(animation.emission.ever_emits(m));
   double power = 0, area = 0;
   for (PatchId patch = 0; patch < patches.count(); ++patch) {
     if (emits[patches.facets[patches.facet_of[patch]].material] && !patches.is_back(patch)) continue;

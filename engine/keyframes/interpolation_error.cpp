@@ -11,8 +11,8 @@ namespace {
 /// Area-weighted mean of the largest channel of B over the patches that emit in no frame.
 double mean_radiosity(const LitScene& lit, const PatchSeries& radiosity) {
   std::vector<bool> emits;  // [material]
-  for (std::uint32_t m = 0; m < lit.animation.exitance_w_m2.size(); ++m)
-    emits.push_back(ever_emits(lit.animation, m));
+  for (std::uint32_t m = 0; m < lit.animation.emission.exitance_w_m2.size(); ++m)
+    emits.push_back(lit.animation.emission.ever_emits(m));
   double sum = 0, area = 0;
   for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
     if (emits[lit.patches.facets[lit.patches.facet_of[patch]].material] && !lit.patches.is_back(patch))

@@ -29,7 +29,7 @@ void add_switched_lights(const std::vector<Rgb>& exitance, std::vector<FrameInde
 /// The frames on both sides of every appearance and disappearance and of every light that is switched.
 std::vector<FrameIndex> frames_at_jumps(const Animation& animation) {
   std::vector<FrameIndex> forced;
-  for (const auto& exitance : animation.exitance_w_m2) add_switched_lights(exitance, forced);
+  for (const auto& exitance : animation.emission.exitance_w_m2) add_switched_lights(exitance, forced);
   const FrameIndex last = animation.frame_count - 1;
   for (const ObjectMotion& motion : animation.objects)
     for (std::size_t s = 0; s < motion.spans.size(); ++s) {
@@ -76,7 +76,9 @@ void describe(const InterpolationError* error, std::uint32_t frame_count, KeyFra
     chosen.report.frames.push_back(record);
   }
   for (std::size_t k = 0; k + 1 < chosen.keys.size(); ++k) {
-    api::KeyFrameInterval interval{chosen.keys[k], chosen.keys[k + 1], std::nullopt, std::nullopt};
+    api::KeyFrameInterval interval;
+    interval.first = chosen.keys[k];
+    interval.last = chosen.keys[k + 1];
     if (error) interval.predicted_error = error->largest(interval.first, interval.last);
     chosen.report.intervals.push_back(interval);
   }
@@ -111,7 +113,7 @@ api::Result<KeyFrames> select_key_frames(const Scene& scene, const Animation& an
     return chosen;
   }
   const LastKey last = options.mode == api::LightingMode::paper_literal ? LastKey::lost : LastKey::marked;
-  chosen.keys = table1_key_frames(estimate.patches, estimate.radiosity_w_m2, options.epsilon_w, last);
+  chosen.keys = table1_key_frames(estimate.patches, estimate.radiosity_w_m2, options.epsilon, last);
   merge_solved(chosen);
   describe(nullptr, animation.frame_count, chosen);
   return chosen;

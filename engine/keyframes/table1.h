@@ -13,7 +13,7 @@ enum class LastKey {
 };
 
 /// Scans the frames in order; a frame becomes the next key-frame when the power of some patch differs from
-/// that in the last key-frame by more than `epsilon_w`:
+/// that in the last key-frame by more than `epsilon`:
 ///
 ///     | A_i B_i(k) - A_i B_i(f) | > epsilon                                  [W]
 ///
@@ -23,6 +23,6 @@ enum class LastKey {
 /// jump between f - 1 and f is smeared over the frames since the last key. Source: Besuievsky & Pueyo, "A
 /// Monte Carlo Method for Accelerating the Computation of Animated Radiosity Sequences", 2001, Table 1.
 std::vector<api::FrameIndex> table1_key_frames(const Patches& patches, const PatchSeries& radiosity_w_m2,
-                                               double epsilon_w, LastKey last_key);
+                                               double epsilon, LastKey last_key);
 
 }  // namespace engine

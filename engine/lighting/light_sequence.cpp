@@ -44,7 +44,7 @@ std::vector<Rgb> reflectance_of_patches(const Scene& scene, const Patches& patch
 
 Rgb exitance_of_patch(const LitScene& lit, PatchId patch, FrameIndex frame) {
   if (lit.patches.is_back(patch)) return {};
-  return lit.animation.exitance(lit.patches.facets[lit.patches.facet_of[patch]].material, frame);
+  return lit.animation.emission.exitance(lit.patches.facets[lit.patches.facet_of[patch]].material, frame);
 }
 
 api::Result<IndirectLight> indirect_light(const LitScene& lit, std::span<const FrameIndex> frames,

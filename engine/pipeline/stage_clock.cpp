@@ -45,7 +45,7 @@ void StageClock::tell(double stage_fraction) {
   const std::lock_guard lock(mutex_);
   stage_fraction_ = std::clamp(stage_fraction, stage_fraction_, 1.0);
   const double done = (done_before_ + share_of(stage_) * stage_fraction_) / 1000;
-  hooks_.progress({stage_, stage_fraction_, done, {}});
+  hooks_.progress({stage_, stage_fraction_, done, {}, std::nullopt});
 }
 
 }  // namespace engine

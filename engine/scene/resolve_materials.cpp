@@ -123,8 +123,8 @@ Rgb MaterialResolver::exitance(const MtlMaterial& mtl) {
 api::Result<Material> material_of(const NamedPlace& use, const MtlMaterial* mtl,
                                   const api::MaterialSettings& given, MaterialResolver& resolver) {
   Material material{use.name, kDefaultReflectance, {}, given.sides != api::Sides::front};
-  if (given.reflectance) {
-    material.reflectance = reflectance_of(*given.reflectance);
+  if (given.reflectance.given()) {
+    material.reflectance = reflectance_of(given.reflectance.keys.front().value);
   } else if (mtl) {
     const auto reflectance = resolver.reflectance(*mtl);
     if (!reflectance) return reflectance.error();

@@ -45,7 +45,7 @@ Example in_grey(Example example, Pick pick) {
     grey(material.reflectance);
     grey(material.exitance_w_m2);
   }
-  for (auto& series : example.animation.exitance_w_m2)
+  for (auto& series : example.animation.emission.exitance_w_m2)
     for (Rgb& exitance : series) grey(exitance);
   return example;
 }

@@ -60,7 +60,7 @@ engine::Animation reversed(engine::Animation animation) {
     std::reverse(motion.spans.begin(), motion.spans.end());
     for (engine::PoseSpan& span : motion.spans) span = {last - span.last, last - span.first, span.pose};
   }
-  for (auto& series : animation.exitance_w_m2) std::reverse(series.begin(), series.end());
+  for (auto& series : animation.emission.exitance_w_m2) std::reverse(series.begin(), series.end());
   return animation;
 }
 

@@ -26,7 +26,7 @@ engine::SolvedSequence solved_by(api::LightingMode mode) {
   options.mode = mode;
   options.line_count = 2'000'000;
   options.tolerance = 0.05;
-  options.epsilon_w = 0.1;
+  options.epsilon = 0.1;
   api::JobReport report;
   const engine::RunHooks hooks;
   engine::StageClock clock(hooks, report);

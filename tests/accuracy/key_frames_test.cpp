@@ -24,8 +24,8 @@ KeyCounts count_keys(const std::string& json) {
   options.estimate_line_count = 400'000;
   const auto estimate =
       engine::estimate_lighting(ready.scene, ready.animation, ready.static_rays, options, {});
-  const auto keys_at = [&](double epsilon_w) {
-    options.epsilon_w = epsilon_w;
+  const auto keys_at = [&](double epsilon) {
+    options.epsilon = epsilon;
     return engine::select_key_frames(ready.scene, ready.animation, ready.static_rays, *estimate, options, {})
         ->keys.size();
   };

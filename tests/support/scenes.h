@@ -22,7 +22,7 @@ class SceneBuilder {
   std::uint32_t add_material(engine::Rgb reflectance, engine::Rgb exitance_w_m2 = {},
                              bool both_sides = false) {
     scene_.materials.push_back({"", reflectance, exitance_w_m2, both_sides});
-    animation_.exitance_w_m2.push_back({exitance_w_m2});
+    animation_.emission.exitance_w_m2.push_back({exitance_w_m2});
     return static_cast<std::uint32_t>(scene_.materials.size() - 1);
   }
 

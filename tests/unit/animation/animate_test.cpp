@@ -31,9 +31,9 @@ TEST(Animate, LeavesStillWhatNothingMoves) {
     EXPECT_TRUE(motion.is_static(10));
     EXPECT_EQ(motion.spans[0].pose, Pose{});
   }
-  ASSERT_EQ(animation.exitance_w_m2.size(), 2u);
-  EXPECT_EQ(animation.exitance_w_m2[1].size(), 1u);
-  EXPECT_EQ(animation.exitance(1, 7), (Rgb{1, 2, 3}));
+  ASSERT_EQ(animation.emission.exitance_w_m2.size(), 2u);
+  EXPECT_EQ(animation.emission.exitance_w_m2[1].size(), 1u);
+  EXPECT_EQ(animation.emission.exitance(1, 7), (Rgb{1, 2, 3}));
 }
 
 TEST(Animate, MovesTheObjectOfTheNameAndNoOther) {
@@ -58,18 +58,18 @@ TEST(Animate, EvaluatesKeyedExitanceInEveryFrame) {
   api::JobRequest request = ten_frames();
   request.scene.materials["lamp"].exitance_w_m2.keys = {{0, {0, 0, 0}}, {8, {8, 4, 2}}};
   const Animation animation = animate(two_objects_two_materials(), request);
-  ASSERT_EQ(animation.exitance_w_m2[1].size(), 10u);
-  EXPECT_EQ(animation.exitance(1, 4), (Rgb{4, 2, 1}));
-  EXPECT_EQ(animation.exitance(1, 9), (Rgb{8, 4, 2}));
-  EXPECT_EQ(animation.exitance_w_m2[0].size(), 1u);
+  ASSERT_EQ(animation.emission.exitance_w_m2[1].size(), 10u);
+  EXPECT_EQ(animation.emission.exitance(1, 4), (Rgb{4, 2, 1}));
+  EXPECT_EQ(animation.emission.exitance(1, 9), (Rgb{8, 4, 2}));
+  EXPECT_EQ(animation.emission.exitance_w_m2[0].size(), 1u);
 }
 
 TEST(Animate, KeepsOneValueOfExitanceThatNeverChanges) {
   api::JobRequest request = ten_frames();
   request.scene.materials["lamp"].exitance_w_m2.keys = {{2, {5, 5, 5}}, {6, {5, 5, 5}}};
   const Animation animation = animate(two_objects_two_materials(), request);
-  ASSERT_EQ(animation.exitance_w_m2[1].size(), 1u);
-  EXPECT_EQ(animation.exitance(1, 9), (Rgb{5, 5, 5}));
+  ASSERT_EQ(animation.emission.exitance_w_m2[1].size(), 1u);
+  EXPECT_EQ(animation.emission.exitance(1, 9), (Rgb{5, 5, 5}));
 }
 
 TEST(Animate, NeverLetsACubicLightGoNegative) {
@@ -77,8 +77,8 @@ TEST(Animate, NeverLetsACubicLightGoNegative) {
   request.scene.materials["lamp"].exitance_w_m2 = {
       KeyInterpolation::cubic, {{0, {9, 9, 9}}, {3, {0, 0, 0}}, {6, {0, 0, 0}}, {9, {9, 9, 9}}}};
   const Animation animation = animate(two_objects_two_materials(), request);
-  for (FrameIndex frame = 0; frame < 10; ++frame) EXPECT_GE(animation.exitance(1, frame).r, 0);
-  EXPECT_EQ(animation.exitance(1, 4).r, 0);
+  for (FrameIndex frame = 0; frame < 10; ++frame) EXPECT_GE(animation.emission.exitance(1, frame).r, 0);
+  EXPECT_EQ(animation.emission.exitance(1, 4).r, 0);
 }
 
 api::JobRequest with_camera(api::Vec3 position, api::Vec3 target, api::UpAxis up) {

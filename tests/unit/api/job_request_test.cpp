@@ -202,10 +202,10 @@ TEST(ParseJobRequest, ReadsMaterials) {
       "b":{"reflectance":[0,0.5,0.99],"exitance_w_m2":{"interpolation":"step","keys":[{"frame":4,"value":2}]}},"c":{}}})");
   ASSERT_TRUE(request);
   const auto& materials = request->scene.materials;
-  EXPECT_EQ(materials.at("a").reflectance, (Vec3{0.5, 0.5, 0.5}));
+  EXPECT_EQ(materials.at("a").reflectance.keys.at(0).value, (Vec3{0.5, 0.5, 0.5}));
   EXPECT_EQ(materials.at("a").sides, Sides::front);
   EXPECT_FALSE(materials.at("a").exitance_w_m2.given());
-  EXPECT_EQ(materials.at("b").reflectance, (Vec3{0, 0.5, 0.99}));
+  EXPECT_EQ(materials.at("b").reflectance.keys.at(0).value, (Vec3{0, 0.5, 0.99}));
   EXPECT_EQ(materials.at("b").exitance_w_m2.interpolation, KeyInterpolation::step);
   EXPECT_EQ(materials.at("b").exitance_w_m2.keys, (std::vector<Track<Vec3>::Key>{{4, {2, 2, 2}}}));
   EXPECT_EQ(materials.at("c"), MaterialSettings{});

@@ -266,7 +266,7 @@ TEST(RenderImages, TheEdgeOfALampIsShadedInPngAndTrueInExr) {
   tests::add_polygon(scene, {{-5, -5, 0}, {5, -5, 0}, {5, 5, 0}, {-5, 5, 0}});
   tests::add_polygon(scene, {{-1, -1.2f, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 0.8f, 1}}, 0, 1);
   auto animation = tests::still(scene, 1);
-  animation.exitance_w_m2[1] = {{1e4f, 1e4f, 1e4f}};
+  animation.emission.exitance_w_m2[1] = {{1e4f, 1e4f, 1e4f}};
   animation.cameras["c"] = {{{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 60}};
   const auto patches = engine::mesh_into_patches(scene, 0.5);
   ASSERT_TRUE(patches);

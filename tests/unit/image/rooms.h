@@ -54,7 +54,7 @@ inline engine::Animation still(const engine::Scene& scene, engine::FrameIndex fr
   engine::Animation animation;
   animation.frame_count = frames;
   animation.objects.assign(scene.objects.size(), {{{0, frames - 1, {}}}});
-  animation.exitance_w_m2.assign(scene.materials.size(), {{}});
+  animation.emission.exitance_w_m2.assign(scene.materials.size(), {{}});
   return animation;
 }
 

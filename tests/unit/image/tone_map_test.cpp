@@ -73,7 +73,7 @@ TEST(AutoExposure, ShowsTheMeanOfWhatDoesNotEmitInMiddleGrey) {
   const auto patches = engine::mesh_into_patches(scene, 0.5);
   ASSERT_TRUE(patches);
   auto animation = tests::still(scene, 2);
-  animation.exitance_w_m2[1] = {{0, 0, 0}, {500, 500, 500}};
+  animation.emission.exitance_w_m2[1] = {{0, 0, 0}, {500, 500, 500}};
   const auto radiosity = tests::series_of(*patches, 2, [](engine::PatchId, engine::Vec3 p) {
     const float b = p.z < 0.5f ? 2.0f : p.z < 1.5f ? 6.0f : 500.0f;
     return engine::Rgb{b, b, b};

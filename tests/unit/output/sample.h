@@ -28,7 +28,7 @@ inline engine::Animation sample_animation() {
   at_10.m[0][3] = 10;
   at_30.m[0][3] = 30;
   animation.objects = {{{{0, 2, {}}}}, {{{0, 0, at_10}, {2, 2, at_30}}}};
-  animation.exitance_w_m2 = {{{}}, {{}}};
+  animation.emission.exitance_w_m2 = {{{}}, {{}}};
   return animation;
 }
 

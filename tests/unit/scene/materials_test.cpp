@@ -102,7 +102,7 @@ TEST(Materials, ThatNoFileDefinesAreNamedWithTheirPlace) {
 
 TEST(Materials, ThatOnlyTheAnimationNamesAreUnknown) {
   api::SceneDescription description = dark();
-  description.materials["wal/l"].reflectance = {.5, .5, .5};
+  description.materials["wal/l"].reflectance.keys = {{0, {.5, .5, .5}}};
   const auto scene = load_with_mtl("newmtl wall\nKd .5\nnewmtl lamp\nKd .5\n", description);
   ASSERT_FALSE(scene);
   EXPECT_EQ(places_of(scene.error()), "animation.json /materials/wal~1l unknown_material\n");
@@ -111,7 +111,7 @@ TEST(Materials, ThatOnlyTheAnimationNamesAreUnknown) {
 
 TEST(Materials, TakeWhatTheAnimationGives) {
   api::SceneDescription description;
-  description.materials["wall"].reflectance = {.1, .2, .9999999999};
+  description.materials["wall"].reflectance.keys = {{0, {.1, .2, .9999999999}}};
   description.materials["wall"].sides = api::Sides::front;
   description.materials["lamp"].exitance_w_m2.keys = {{0, {4, 5, 6}}, {3, {0, 0, 0}}};
   // What is replaced is not judged: Kd 1 and a negative Ke.

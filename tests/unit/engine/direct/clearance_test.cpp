@@ -46,7 +46,7 @@ Scene corner_of_two_squares(const Pose& pose, bool triangles, float gap = 0) {
 
 Animation with_light(const Scene& scene) {
   Animation animation = tests::still(scene, 2);
-  animation.exitance_w_m2[1] = {{1, 1, 1}};
+  animation.emission.exitance_w_m2[1] = {{1, 1, 1}};
   return animation;
 }
 

@@ -40,7 +40,7 @@ Scene floor_and_light(bool both_sides = false) {
 
 Animation lit_from_above(const Scene& scene, FrameIndex frames) {
   Animation animation = tests::still(scene, frames);
-  animation.exitance_w_m2[1] = {kExitance};
+  animation.emission.exitance_w_m2[1] = {kExitance};
   return animation;
 }
 
@@ -175,7 +175,7 @@ TEST(DirectLight, TwoMovingBlockersThatCoverOneAnotherTakeTheirLightOnce) {
 TEST(DirectLight, AKeyedLightShinesInEachFrameWithThatFramesExitance) {
   const Scene scene = floor_and_light();
   Animation animation = lit_from_above(scene, 4);
-  animation.exitance_w_m2[1] = {{1, 2, 4}, {}, {0, 0, 8}, {4, 8, 16}};
+  animation.emission.exitance_w_m2[1] = {{1, 2, 4}, {}, {0, 0, 8}, {4, 8, 16}};
   const PatchSeries lit = light_up(World(scene, animation, 10), {0, 1, 2, 3});
   const Rgb at_first = lit.at(kFloor, 0);
   EXPECT_GT(at_first.r, 0);
@@ -241,7 +241,7 @@ World lit_room(FrameIndex frames) {
               0, 1);
   add_polygon(scene, {{0, 0.1f, -0.2f}, {0.1f, -0.1f, -0.2f}, {-0.1f, -0.1f, -0.2f}}, 1, 1);
   Animation animation = tests::things_move(scene, frames);
-  animation.exitance_w_m2[1] = {kExitance};
+  animation.emission.exitance_w_m2[1] = {kExitance};
   return World(scene, animation, 0.5);
 }
 

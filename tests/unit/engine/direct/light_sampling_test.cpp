@@ -35,8 +35,8 @@ TEST(FindLights, AreTheFacetsWhoseMaterialEmitsInSomeFrame) {
   Scene scene = tests::scene_with(1, 3);
   for (std::uint32_t m = 0; m < 3; ++m) tests::add_polygon(scene, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 0, m);
   Animation animation = tests::still(scene, 3);
-  animation.exitance_w_m2[1] = {{}, {}, {0, 0, 0.1f}};
-  animation.exitance_w_m2[2] = {{}, {}, {}};
+  animation.emission.exitance_w_m2[1] = {{}, {}, {0, 0, 0.1f}};
+  animation.emission.exitance_w_m2[2] = {{}, {}, {}};
   const auto patches = mesh_into_patches(scene, 1);
   const auto lights = find_lights(*patches, animation);
   ASSERT_EQ(lights.size(), 1u);

@@ -18,8 +18,8 @@ World two_keyed_lights(std::vector<Rgb> first, std::vector<Rgb> second, std::vec
   tests::add_polygon(scene, {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}, 0, 1);
   tests::add_polygon(scene, {{0, 0, 2}, {1, 0, 2}, {1, 1, 2}, {0, 1, 2}}, 1, 2);
   Animation animation = tests::still(scene, kFrames);
-  animation.exitance_w_m2[1] = std::move(first);
-  animation.exitance_w_m2[2] = std::move(second);
+  animation.emission.exitance_w_m2[1] = std::move(first);
+  animation.emission.exitance_w_m2[2] = std::move(second);
   animation.objects[1].spans = std::move(spans);
   return World(std::move(scene), std::move(animation), 1);
 }

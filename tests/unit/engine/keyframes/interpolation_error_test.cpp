@@ -49,7 +49,7 @@ TEST(InterpolationError, PatchesThatEmitDoNotCountInTheMean) {
   scene.materials.push_back(scene.materials[0]);
   scene.polygons[0].material = 1;
   Animation animation = tests::still(scene, 3);
-  animation.exitance_w_m2[1] = {{}, {1000, 0, 0}, {}};
+  animation.emission.exitance_w_m2[1] = {{}, {1000, 0, 0}, {}};
   const tests::World world(scene, animation, 1.0);
   const auto radiosity = series(2, 3, [](auto p, auto) { return p == 0 ? 1000.0f : 2.0f; });
   const auto interpolated = series(2, 3, [](auto p, auto f) { return p == 1 && f == 1 ? 1.0f : 0.0f; });

@@ -17,7 +17,7 @@ api::LightingOptions options_of(LightingMode mode) {
   api::LightingOptions options;
   options.mode = mode;
   options.tolerance = 0.01;
-  options.epsilon_w = 0.5;
+  options.epsilon = 0.5;
   return options;
 }
 
@@ -91,9 +91,9 @@ TEST(SelectKeyFrames, AnObjectThatComesAndGoesForcesThePairsAroundIt) {
 Keys keys_of_lamp(const std::vector<std::pair<std::uint32_t, float>>& knots) {
   Scene scene = tests::squares(1);
   Animation animation = tests::still(scene, 30);
-  animation.exitance_w_m2[0].clear();
+  animation.emission.exitance_w_m2[0].clear();
   for (FrameIndex f = 0; f < 30; ++f)
-    animation.exitance_w_m2[0].push_back(Rgb{0.2f, 1, 0} * tests::through_knots(knots, f));
+    animation.emission.exitance_w_m2[0].push_back(Rgb{0.2f, 1, 0} * tests::through_knots(knots, f));
   const tests::World world(scene, animation, 1.0);
   const auto constant = series(1, 30, kConstant);
   return select(world, constant, constant).keys;

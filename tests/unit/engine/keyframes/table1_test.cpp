@@ -11,9 +11,9 @@ using Keys = std::vector<FrameIndex>;
 using tests::series;
 
 /// Of one patch of 1 m^2, so that power [W] is radiosity [W/m^2] in number.
-Keys keys_of(const PatchSeries& radiosity, double epsilon_w, LastKey last_key) {
+Keys keys_of(const PatchSeries& radiosity, double epsilon, LastKey last_key) {
   const tests::Squares world(radiosity.patch_count, radiosity.frame_count);
-  return table1_key_frames(world.patches, radiosity, epsilon_w, last_key);
+  return table1_key_frames(world.patches, radiosity, epsilon, last_key);
 }
 
 TEST(Table1, AConstantSeriesNeedsItsFirstAndLastFrame) {

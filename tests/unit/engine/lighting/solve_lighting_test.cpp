@@ -122,7 +122,7 @@ TEST(SolveLighting, StopsWhenToldTo) {
 
 /// Everything emits 2 and reflects a half, and all of it travels by lines.
 MovingRoom& glow(MovingRoom& room) {
-  room.animation.exitance_w_m2[0] = {{2, 2, 2}};
+  room.animation.emission.exitance_w_m2[0] = {{2, 2, 2}};
   return room;
 }
 
@@ -144,7 +144,7 @@ TEST(IndirectLight, OfAFurnaceOfPureLinesIsExitanceOverOneMinusReflectanceInEver
 // in both.
 TEST(IndirectLight, AFrameSolvedAloneIsTheFrameOfTheWindow) {
   MovingRoom room(6);
-  room.animation.exitance_w_m2.push_back({{9, 9, 9}});
+  room.animation.emission.exitance_w_m2.push_back({{9, 9, 9}});
   room.scene.materials.push_back({"lamp", {0.5f, 0.5f, 0.5f}, {}, false});
   room.patches.facets[5].material = 1;  // one wall glows
   const auto frames = room.all_frames();
@@ -167,7 +167,7 @@ TEST(IndirectLight, AFrameSolvedAloneIsTheFrameOfTheWindow) {
 
 TEST(Compose, RadiosityIsExitanceAndWhatIsReflectedOfBothKindsOfLight) {
   MovingRoom room(4, 1.0, true);
-  room.animation.exitance_w_m2[0] = {{1, 0, 0}, {2, 0, 0}, {4, 0, 0}, {8, 0, 0}};
+  room.animation.emission.exitance_w_m2[0] = {{1, 0, 0}, {2, 0, 0}, {4, 0, 0}, {8, 0, 0}};
   const std::vector<FrameIndex> frames{1, 3};
   PatchSeries direct(room.patches.count(), 2), indirect = direct;
   for (Rgb& value : direct.values) value = {0.5f, 2, 0};
