@@ -49,7 +49,6 @@ struct KeyFrameInterval {
 /// artefacts/key_frames.json. No times in it: the same job gives the same bytes.
 struct KeyFrameReport {
   LightingMode mode = LightingMode::standard;
-  std::optional<double> tolerance;                 ///< mode `default`: what was promised
   std::vector<FrameRecord> frames;                 ///< one per frame of the animation
   std::vector<KeyFrameInterval> intervals;         ///< between neighbouring `key` frames
   std::optional<double> tolerance = std::nullopt;  ///< mode `default`: what was promised
@@ -74,10 +73,10 @@ struct JobReport {
   std::uint64_t peak_memory_bytes = 0;
   /// Noise of the radiosity: area-weighted root mean square standard error over the mean B of the patches
   /// that do not emit, all frames. None where it was not estimated.
-  std::optional<double> noise;
-  std::optional<double> target_error;  ///< as asked for
-  std::optional<bool> target_error_met;
-  std::optional<Forecast> forecast;  ///< of `keylume check`, and of `render` before it began
+  std::optional<double> noise = std::nullopt;
+  std::optional<double> target_error = std::nullopt;  ///< as asked for
+  std::optional<bool> target_error_met = std::nullopt;
+  std::optional<Forecast> forecast = std::nullopt;  ///< of `keylume check`, and of `render` before it began
 };
 
 // Defined in api/json/.
