@@ -1,5 +1,5 @@
 #include "engine/output/artefacts.h"
-#include "engine/output/sha256.h"
+#include "engine/base/sha256.h"
 
 namespace engine {
 namespace {

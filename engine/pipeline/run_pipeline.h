@@ -15,6 +15,10 @@ namespace engine {
 struct RunHooks {
   std::function<void(const api::ProgressLine&)> progress = [](const api::ProgressLine&) {};
   std::function<bool()> stop_requested = [] { return false; };  ///< asked at least every 100 ms of work
+  /// Where a killed run leaves what the next one goes on from; removed when the run has succeeded. Empty:
+  /// nothing is kept. The request must be that of animation.json in the input folder: what was saved is known
+  /// to be of the same job by the bytes of that folder (and of this program).
+  std::filesystem::path checkpoint_folder = {};
 };
 
 /// Solves the job whose inputs (scene.obj, MTL, textures) lie in `input_folder` and publishes its artefacts

@@ -3,12 +3,29 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "api/result.h"
 
 namespace engine {
+
+/// Of bytes that come in pieces.
+class Sha256 {
+ public:
+  Sha256();
+  ~Sha256();
+  Sha256(const Sha256&) = delete;
+  Sha256& operator=(const Sha256&) = delete;
+
+  void add(std::string_view bytes);
+  std::string hex();  ///< 64 lower-case hexadecimal digits; call once, last
+
+ private:
+  struct Context;
+  std::unique_ptr<Context> context_;
+};
 
 /// 64 lower-case hexadecimal digits.
 std::string sha256_hex(std::string_view bytes);
