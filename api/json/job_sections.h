@@ -19,10 +19,11 @@ inline constexpr std::size_t kCamerasMax = 64;
 inline constexpr std::size_t kImagesMax = 16;
 inline constexpr std::size_t kNameBytesMax = 200;  ///< of a job, an object, a material
 
-inline constexpr std::array kLightingModes{Named<LightingMode>{"default", LightingMode::standard},
-                                           Named<LightingMode>{"paper", LightingMode::paper},
-                                           Named<LightingMode>{"paper-literal", LightingMode::paper_literal},
-                                           Named<LightingMode>{"reference", LightingMode::reference}};
+inline constexpr std::array kLightingModes{
+    Named<LightingMode>{"default", LightingMode::standard}, Named<LightingMode>{"paper", LightingMode::paper},
+    Named<LightingMode>{"paper-literal", LightingMode::paper_literal},
+    Named<LightingMode>{"reference", LightingMode::reference},
+    Named<LightingMode>{"frame-by-frame", LightingMode::frame_by_frame}};
 
 ObjectAnimation read_object(const Node& node, FrameIndex frame_count);
 RotationTrack read_rotation(const Node& node, FrameIndex frame_count);

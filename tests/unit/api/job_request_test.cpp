@@ -69,6 +69,7 @@ TEST(ParseJobRequest, ReadsModesByTheirJsonNames) {
   EXPECT_EQ(mode("paper"), LightingMode::paper);
   EXPECT_EQ(mode("paper-literal"), LightingMode::paper_literal);
   EXPECT_EQ(mode("reference"), LightingMode::reference);
+  EXPECT_EQ(mode("frame-by-frame"), LightingMode::frame_by_frame);
 }
 
 TEST(ParseJobRequest, ReadsKeysWithTheirInterpolation) {

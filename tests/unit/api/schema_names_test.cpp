@@ -51,8 +51,8 @@ TEST(SchemaNames, FrameKindsAndModesAreTheCodes) {
   for (const FrameKind kind : {FrameKind::key, FrameKind::check, FrameKind::interpolated})
     kinds.push_back(
         ParsedJson::parse(key_frame_report_json({{}, {{0, kind, 0.0}}, {}}))["frames"][0]["kind"]);
-  for (const LightingMode mode :
-       {LightingMode::standard, LightingMode::paper, LightingMode::paper_literal, LightingMode::reference})
+  for (const LightingMode mode : {LightingMode::standard, LightingMode::paper, LightingMode::paper_literal,
+                                  LightingMode::reference, LightingMode::frame_by_frame})
     modes.push_back(ParsedJson::parse(key_frame_report_json({mode, {}, {}}))["mode"]);
   EXPECT_EQ(key_frames["$defs"]["kind"]["enum"], kinds);
   EXPECT_EQ(key_frames["properties"]["mode"]["enum"], modes);
