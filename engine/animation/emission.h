@@ -31,6 +31,9 @@ struct SourceMotion {
   double inner_cosine = 1, outer_cosine = 0;  ///< spot
 
   bool is_static() const { return position.size() == 1 && direction.size() == 1; }
+  bool ever_emits() const {
+    return std::any_of(intensity.begin(), intensity.end(), [](Rgb i) { return max_channel(i) > 0; });
+  }
 };
 
 /// Everything that emits, or one group of it.
