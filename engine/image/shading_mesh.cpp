@@ -48,8 +48,9 @@ void for_each_touch(const ShadingMesh& mesh, const Patches& patches, Visit visit
 }
 
 /// Numbers the grid places of one side: inner ones are nodes of their own, those on the rim are welded.
-void number_places(const Facet& facet, bool front, Welder& welder, ShadingMesh& mesh) {
-  const Vec3 normal = front ? facet.normal : -facet.normal;
+void number_places(const Patches& patches, std::span<const CornerNormals> normals, std::uint32_t facet_index,
+                   bool front, Welder& welder, ShadingMesh& mesh) {
+  const Facet& facet = patches.facets[facet_index];
   for (std::uint32_t j = 0; j <= facet.grid_v; ++j) {
     const std::uint32_t last = facet.is_triangle ? facet.grid_u - j : facet.grid_u;
     for (std::uint32_t i = 0; i <= last; ++i) {
@@ -59,7 +60,9 @@ void number_places(const Facet& facet, bool front, Welder& welder, ShadingMesh& 
         const float u = static_cast<float>(i) / static_cast<float>(facet.grid_u);
         const float v = static_cast<float>(j) / static_cast<float>(facet.grid_v);
         const Vec3 point = facet.origin + u * facet.edge_u + v * facet.edge_v;
-        node = welder.node_at({point, normal, facet.object, facet.material}, mesh.node_count);
+        const Vec3 normal = shading_normal(patches, normals, facet_index, u, v);
+        node =
+            welder.node_at({point, front ? normal : -normal, facet.object, facet.material}, mesh.node_count);
       }
       if (node == mesh.node_count) ++mesh.node_count;
       mesh.node_of.push_back(node);
@@ -122,13 +125,13 @@ std::uint32_t grid_place(const Facet& facet, std::uint32_t i, std::uint32_t j) {
   return j * (facet.grid_u + 1) + i;
 }
 
-ShadingMesh build_shading_mesh(const Patches& patches) {
+ShadingMesh build_shading_mesh(const Patches& patches, std::span<const CornerNormals> normals) {
   ShadingMesh mesh;
   Welder welder(patches);
-  for (const Facet& facet : patches.facets) {
+  for (std::uint32_t f = 0; f < patches.facets.size(); ++f) {
     mesh.first_place.push_back(static_cast<std::uint32_t>(mesh.node_of.size()));
-    number_places(facet, true, welder, mesh);
-    if (facet.both_sides) number_places(facet, false, welder, mesh);
+    number_places(patches, normals, f, true, welder, mesh);
+    if (patches.facets[f].both_sides) number_places(patches, normals, f, false, welder, mesh);
   }
   collect_patches(patches, mesh);
   mesh.seams = find_seams(mesh, patches);

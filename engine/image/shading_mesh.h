@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/image/corner_normals.h"
 #include "engine/image/seams.h"
 #include "engine/lighting/radiosity.h"
 #include "engine/patches/patches.h"
@@ -14,9 +15,10 @@ namespace engine {
 
 /// The nodes of all facets' (u,v) grids, one set per side that has patches. A node's radiosity is the
 /// area-weighted mean of the patches around it. Nodes of neighbouring facets that lie at the same point are
-/// one node when the sides belong to the same object and material and face the same way (within 1 degree), so
-/// that no seam shows between coplanar polygons; sides that differ in any of these are never mixed. Where two
-/// such facets cut their common edge differently, see SeamNode.
+/// one node when the sides belong to the same object and material and face the same way (within 1 degree; on
+/// smooth surfaces by their shading normals there), so that no seam shows between coplanar polygons and on
+/// curved things; sides that differ in any of these are never mixed. Where two such facets cut their common
+/// edge differently, see SeamNode.
 struct ShadingMesh {
   std::uint32_t node_count = 0;
   std::vector<std::uint32_t> first_place;  ///< [facet]: its front's grid places, then its back's, in node_of
@@ -26,8 +28,9 @@ struct ShadingMesh {
   std::vector<SeamNode> seams;
 };
 
-/// Depends on the patches alone: built once for all frames and cameras.
-ShadingMesh build_shading_mesh(const Patches& patches);
+/// Depends on the scene alone: built once for all frames and cameras. `normals`: [facet], or empty where
+/// every facet is flat.
+ShadingMesh build_shading_mesh(const Patches& patches, std::span<const CornerNormals> normals = {});
 
 /// Places of a facet's grid on one side. Parallelogram: (grid_u + 1)(grid_v + 1), row-major, u fastest.
 /// Triangle: row by row from v = 0, row j has grid_u + 1 - j.
