@@ -13,6 +13,7 @@ import sys
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from model_plane import add_plane  # noqa: E402
 from scene_writer import Obj, json_text, keys, tidy, write  # noqa: E402
 
 FRAMES = 120
@@ -20,12 +21,6 @@ ROOM = (-15, -9, 0), (15, 9, 4)
 LAMP_SIZE = 1.2, 0.6
 LAMP_Z = 3.98
 LAMP_EXITANCE_W_M2 = 23
-PLANE_BOXES = {
-    "fuselage": ((-1.6, -0.22, -0.2), (1.6, 0.22, 0.25)),
-    "wing": ((-0.35, -2, -0.04), (0.55, 2, 0.04)),
-    "tailplane": ((-1.6, -0.75, 0.12), (-1.1, 0.75, 0.18)),
-    "fin": ((-1.6, -0.03, 0.25), (-1.05, 0.03, 0.85)),
-}
 
 
 def garage():
@@ -50,11 +45,7 @@ def garage():
             obj.material("lamp_0_0" if column == 0 and row == 0 else "lamp")
             obj.side((x - dx, y - dy, LAMP_Z), (x + dx, y + dy, LAMP_Z), 2, LAMP_Z, -1)
 
-    obj.object("plane")
-    obj.material("plane")
-    for part, (box_low, box_high) in PLANE_BOXES.items():
-        obj.lines.append(f"# {part}")
-        obj.box(box_low, box_high)
+    add_plane(obj)
     return obj.text()
 
 
