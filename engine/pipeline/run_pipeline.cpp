@@ -1,6 +1,6 @@
 #include "engine/pipeline/run_pipeline.h"
 
-#include "engine/image/texture_mean.h"
+#include "engine/image/texture_file.h"
 #include "engine/pipeline/check_poses.h"
 #include "engine/pipeline/limits.h"
 #include "engine/pipeline/publish.h"
@@ -29,7 +29,7 @@ void count_scene(const Scene& scene, const PatchCount& count, std::uint32_t fram
 /// All that can refuse a job, before anything that takes long or much memory.
 api::Result<PreparedJob> prepare(const api::JobRequest& request, const std::filesystem::path& input_folder,
                                  api::JobReport& report) {
-  auto scene = load_scene(input_folder, request.scene, {}, mean_reflectance_of_texture);
+  auto scene = load_scene(input_folder, request.scene, {}, read_texture);
   if (!scene) return scene.error();
   report.warnings = scene->warnings;
   if (auto s = check_request_size(request, scene->objects.size()); !s) return s.error();

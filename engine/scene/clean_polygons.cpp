@@ -42,6 +42,11 @@ Size size_of(const Scene& scene, const std::uint32_t* corners, std::uint32_t cou
   return size;
 }
 
+void move_corner(Scene& scene, std::uint32_t from, std::uint32_t to) {
+  for (auto* of_corner : {&scene.corners, &scene.corner_uvs, &scene.corner_normals})
+    if (!of_corner->empty()) (*of_corner)[to] = (*of_corner)[from];
+}
+
 /// Moves the corners of `polygon` to `to`, without those at the point of the one before.
 std::uint32_t move_corners(Scene& scene, const Polygon& polygon, std::uint32_t to) {
   std::uint32_t count = 0;
@@ -49,7 +54,7 @@ std::uint32_t move_corners(Scene& scene, const Polygon& polygon, std::uint32_t t
   for (std::uint32_t i = 0; i < polygon.corner_count; ++i) {
     const std::uint32_t corner = polygon.first_corner + i;
     if (count > 0 && at(corner) == at(to + count - 1)) continue;
-    scene.corners[to + count++] = scene.corners[corner];
+    move_corner(scene, corner, to + count++);
   }
   while (count > 1 && at(to) == at(to + count - 1)) --count;
   return count;
@@ -92,7 +97,8 @@ void clean_polygons(Scene& scene) {
     to += count;
   }
   scene.polygons.resize(kept);
-  scene.corners.resize(to);
+  for (auto* of_corner : {&scene.corners, &scene.corner_uvs, &scene.corner_normals})
+    if (!of_corner->empty()) of_corner->resize(to);
   if (dropped > 0)
     scene.warnings.push_back("scene.obj: " + std::to_string(dropped) +
                              " polygons without area dropped, the first in line " +

@@ -1,6 +1,7 @@
 #include "api/pointer_step.h"
 #include "api/refusal_text.h"
 #include "engine/scene/clean_polygons.h"
+#include "engine/scene/corner_attributes.h"
 #include "engine/scene/input_files.h"
 #include "engine/scene/names.h"
 #include "engine/scene/obj_file.h"
@@ -68,13 +69,13 @@ api::Error refused(Violations all) {
 
 }  // namespace
 
-api::Result<Rgb> refuse_texture(const std::filesystem::path&, std::size_t) {
+api::Result<Texture> refuse_texture(const std::filesystem::path&, std::size_t) {
   return api::Error{api::Fault::invalid_request, "textures are not read here"};
 }
 
 api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
                               const api::SceneDescription& description, const SceneLimits& limits,
-                              const TextureMean& texture_mean) {
+                              const TextureReader& texture_reader) {
   const std::vector<std::string> animated = animated_names(description);
   if (animated.size() > limits.objects)
     return api::Error{api::Fault::out_of_resources,
@@ -92,16 +93,22 @@ api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
   if (obj->face_statements == 0)
     in_obj.add(0, 0, "no_faces", "there is no polygon ('f') in the file: nothing to light");
   check_objects(*obj, animated, all);
-  auto materials = resolve_materials(*obj, list_input_files(input_folder), description, limits, texture_mean,
-                                     all, scene.warnings);
+  auto materials = resolve_materials(*obj, list_input_files(input_folder), description, limits,
+                                     texture_reader, all, scene.warnings);
   if (!materials) return materials.error();
   if (!all.empty()) return refused(std::move(all));
 
   scene.vertices = std::move(obj->vertices);
   scene.corners = std::move(obj->corners);
   scene.polygons = std::move(obj->polygons);
-  scene.materials = std::move(*materials);
+  scene.corner_uvs = std::move(obj->corner_uvs);
+  scene.corner_normals = std::move(obj->corner_normals);
+  scene.uvs = std::move(obj->uvs);
+  scene.normals = std::move(obj->normals);
+  scene.materials = std::move(materials->materials);
+  scene.textures = std::move(materials->textures);
   for (const std::string& name : animated) scene.objects.push_back({name});
+  settle_corner_attributes(scene);
   clean_polygons(scene);
   if (scene.polygons.empty())
     in_obj.add(0, 0, "no_faces", "no polygon of the file has an area: nothing to light");

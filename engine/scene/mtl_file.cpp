@@ -42,10 +42,12 @@ int option_words(std::string_view option) {
 }
 
 /// `map_Kd [options] file name`, which may hold spaces.
-void take_texture(Tokens& words, const Token& keyword, FileViolations& violations, NamedPlace& texture) {
+void take_texture(Tokens& words, const Token& keyword, FileViolations& violations, MtlMaterial& material) {
   Token word;
+  bool options = false;
   bool more = words.next(word);
   while (more && option_words(word.text) > 0) {
+    options = true;
     const bool numbers = option_words(word.text) == 3;
     int left = option_words(word.text);
     double ignored = 0;
@@ -59,7 +61,8 @@ void take_texture(Tokens& words, const Token& keyword, FileViolations& violation
   }
   words.rewind_to(word);
   const Token name = words.rest();
-  texture = {std::string(name.text), name.line, name.column};
+  material.map_kd = {std::string(name.text), name.line, name.column};
+  material.map_kd_has_options = options;
 }
 
 bool equal_but_for_case(std::string_view a, std::string_view b) {
@@ -94,7 +97,7 @@ void take(const Statement& statement, FileViolations& violations, IgnoredStateme
   } else if (!inside) {
     violations.add(keyword, "syntax", excerpt(key) + " stands before the first 'newmtl'");
   } else if (key == "map_Kd") {
-    take_texture(words, keyword, violations, materials.back().map_kd);
+    take_texture(words, keyword, violations, materials.back());
   } else {
     take_colour(words, keyword, violations, key == "Kd" ? materials.back().kd : materials.back().ke);
   }

@@ -24,7 +24,8 @@ struct MtlMaterial {
   MtlColour kd;       ///< reflectance  [-]
   MtlColour ke;       ///< emitted radiance  [W sr^-1 m^-2]
   NamedPlace map_kd;  ///< texture as the file names it; line 0: none
-  std::string file;   ///< the MTL file's base name
+  bool map_kd_has_options = false;
+  std::string file;  ///< the MTL file's base name
 };
 
 /// Appends the materials of one file. Violations carry line and column; reading stops when they are full.

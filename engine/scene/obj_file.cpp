@@ -1,8 +1,8 @@
 #include "engine/scene/obj_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <optional>
 #include <string_view>
 #include <unordered_map>
@@ -14,8 +14,8 @@ namespace {
 constexpr std::uint32_t kCornersMin = 3;
 constexpr std::uint32_t kCornersMax = 64;
 constexpr double kCoordinateMax = 1e7;  // single precision leaves 1 unit there
+constexpr double kUvMax = 1e30;         // beyond, single precision has no number; it repeats anyway
 constexpr std::size_t kSuggestionsMax = 2000;
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// What an index of a face corner counts: v, vt, vn.
 enum IndexKind { position, texture, normal, kind_count };
@@ -55,9 +55,14 @@ class ObjReader {
  private:
   api::Status take(const Statement& statement);
   void take_vertex(Tokens& words, const Token& keyword);
-  void take_ignored_vector(Tokens& words, const Token& keyword, std::size_t fewest, std::size_t most);
+  std::array<double, 8> take_vector(Tokens& words, const Token& keyword, std::size_t fewest,
+                                    std::size_t most);
+  void take_uv(Tokens& words, const Token& keyword);
+  void take_normal(Tokens& words, const Token& keyword);
   void take_face(Tokens& words, const Token& keyword);
   bool take_corner(const Token& word);
+  void add_corner(const std::array<std::int64_t, kind_count>& index);
+  void drop_corners(std::size_t first);
   bool take_index(const Token& word, const char*& at, IndexKind kind, std::int64_t& index);
   void finish_polygon(std::size_t first, const Token& keyword);
   void take_object(Tokens& words);
@@ -84,9 +89,9 @@ class ObjReader {
   std::uint32_t group_ = 0;                 ///< the first animated name `g` says
   NameIndex material_ids_;                  ///< into usemtl_
   std::vector<NamedPlace> usemtl_;          ///< every name usemtl says
-  std::vector<std::uint32_t> material_of_;  ///< [usemtl_] into obj_.materials, kNone before the first face
-  std::uint32_t usemtl_now_ = kNone;
-  std::uint32_t default_material_ = kNone;
+  std::vector<std::uint32_t> material_of_;  ///< [usemtl_] into obj_.materials, kNoIndex before the first face
+  std::uint32_t usemtl_now_ = kNoIndex;
+  std::uint32_t default_material_ = kNoIndex;
 };
 
 api::Error ObjReader::beyond_limit(std::uint32_t line, const char* what, std::size_t limit) const {
@@ -106,6 +111,8 @@ api::Result<ObjFile> ObjReader::read(const std::filesystem::path& file) {
   while (!violations_.full()) {
     switch (reader.next(statement)) {
       case ReadStep::end:
+        if (!obj_.corner_uvs.empty()) obj_.corner_uvs.resize(obj_.corners.size(), kNoIndex);
+        if (!obj_.corner_normals.empty()) obj_.corner_normals.resize(obj_.corners.size(), kNoIndex);
         return std::move(obj_);
       case ReadStep::too_long:
         return beyond_limit(statement.line, "bytes in one statement", limits_.line_bytes);
@@ -141,11 +148,13 @@ api::Status ObjReader::take(const Statement& statement) {
     if (obj_.polygons.size() > limits_.polygons)
       return beyond_limit(keyword.line, "polygons", limits_.polygons);
   } else if (key == "vn") {
-    take_ignored_vector(words, keyword, 3, 3);
-    ++counts_[normal];
+    take_normal(words, keyword);
+    if (obj_.normals.size() > limits_.vertices)
+      return beyond_limit(keyword.line, "normals", limits_.vertices);
   } else if (key == "vt") {
-    take_ignored_vector(words, keyword, 1, 3);
-    ++counts_[texture];
+    take_uv(words, keyword);
+    if (obj_.uvs.size() > limits_.vertices)
+      return beyond_limit(keyword.line, "texture coordinates", limits_.vertices);
   } else if (key == "o") {
     take_object(words);
   } else if (key == "g") {
@@ -156,7 +165,7 @@ api::Status ObjReader::take(const Statement& statement) {
     take_libraries(words, keyword);
   } else if (is_known_but_ignored(key)) {
     obj_.ignored.add(key);
-  } else if (key != "s") {  // smoothing groups: facets are shaded from their patches
+  } else if (key != "s") {  // smoothing groups: normals say it better
     violations_.add(keyword, "syntax", excerpt(key) + " is not a statement of an OBJ file");
   }
   return api::Done{};
@@ -197,16 +206,38 @@ void ObjReader::take_vertex(Tokens& words, const Token& keyword) {
   ++counts_[position];
 }
 
-void ObjReader::take_ignored_vector(Tokens& words, const Token& keyword, std::size_t fewest,
-                                    std::size_t most) {
+/// Zeros where the statement is wrong or says no more.
+std::array<double, 8> ObjReader::take_vector(Tokens& words, const Token& keyword, std::size_t fewest,
+                                             std::size_t most) {
   std::array<double, 8> values{};
   bool good = true;
   const std::size_t count = read_numbers(words, values, good);
-  if (good && (count < fewest || count > most))
+  if (good && (count < fewest || count > most)) {
     violations_.add(keyword, "syntax",
                     excerpt(keyword.text) + " takes " + std::to_string(fewest) +
                         (most > fewest ? " to " + std::to_string(most) : "") + " numbers, here are " +
                         std::to_string(count));
+    good = false;
+  }
+  return good ? values : std::array<double, 8>{};
+}
+
+void ObjReader::take_uv(Tokens& words, const Token& keyword) {
+  const auto values = take_vector(words, keyword, 1, 3);
+  const auto coordinate = [&](int i) { return static_cast<float>(std::clamp(values[i], -kUvMax, kUvMax)); };
+  obj_.uvs.push_back({coordinate(0), coordinate(1)});
+  ++counts_[texture];
+}
+
+/// Unit, or zero: files hold normals of any length.
+void ObjReader::take_normal(Tokens& words, const Token& keyword) {
+  const auto values = take_vector(words, keyword, 3, 3);
+  const double length = std::hypot(values[0], values[1], values[2]);
+  const auto part = [&](int i) {
+    return std::isfinite(length) && length > 0 ? static_cast<float>(values[i] / length) : 0.0f;
+  };
+  obj_.normals.push_back({part(0), part(1), part(2)});
+  ++counts_[normal];
 }
 
 /// Reads the index at `at` and moves past it. `index` becomes 1-based. An index that lies outside what there
@@ -224,7 +255,7 @@ bool ObjReader::take_index(const Token& word, const char*& at, IndexKind kind, s
   const std::uint64_t known = final_counts_ ? (*final_counts_)[kind] : counts_[kind];
   const bool overflow = problem == std::errc::result_out_of_range;
   if (!overflow && index < 0) index += static_cast<std::int64_t>(counts_[kind]) + 1;  // -1 is the latest
-  const bool too_high = final_counts_ ? index > static_cast<std::int64_t>(known) : index > kNone - 1;
+  const bool too_high = final_counts_ ? index > static_cast<std::int64_t>(known) : index > kNoIndex - 1;
   if (overflow || index <= 0 || too_high) {
     violations_.add(here, "index_out_of_range",
                     excerpt(word.text) + ": there are " + std::to_string(known) + " " +
@@ -236,23 +267,38 @@ bool ObjReader::take_index(const Token& word, const char*& at, IndexKind kind, s
   return true;
 }
 
+/// Indices of corners that have one, for corners since the first that has. `at` is the corner's number.
+void add_index(std::vector<std::uint32_t>& indices, std::size_t at, std::int64_t one_based) {
+  if (one_based == 0 && indices.empty()) return;
+  indices.resize(at, kNoIndex);
+  indices.push_back(one_based == 0 ? kNoIndex : static_cast<std::uint32_t>(one_based - 1));
+}
+
+void ObjReader::add_corner(const std::array<std::int64_t, kind_count>& index) {
+  add_index(obj_.corner_uvs, obj_.corners.size(), index[texture]);
+  add_index(obj_.corner_normals, obj_.corners.size(), index[normal]);
+  obj_.corners.push_back(static_cast<std::uint32_t>(index[position] - 1));
+}
+
+/// Those from `first` on.
+void ObjReader::drop_corners(std::size_t first) {
+  obj_.corners.resize(first);
+  if (obj_.corner_uvs.size() > first) obj_.corner_uvs.resize(first);
+  if (obj_.corner_normals.size() > first) obj_.corner_normals.resize(first);
+}
+
 /// v, v/vt, v//vn or v/vt/vn.
 bool ObjReader::take_corner(const Token& word) {
   const char* at = word.text.data();
   const char* const end = at + word.text.size();
-  std::int64_t vertex = 0, ignored = 0;
-  if (!take_index(word, at, position, vertex)) return false;
-  obj_.corners.push_back(static_cast<std::uint32_t>(vertex - 1));
-  if (at == end) return true;
-  if (*at == '/' && end - at > 1) {
-    ++at;
-    if (*at != '/' && !take_index(word, at, texture, ignored)) return false;
-    if (at == end) return true;
-    if (*at == '/' && end - at > 1) {
-      ++at;
-      if (!take_index(word, at, normal, ignored)) return false;
-      if (at == end) return true;
-    }
+  std::array<std::int64_t, kind_count> index{};  // 1-based; 0: not given
+  if (!take_index(word, at, position, index[position])) return false;
+  const auto more = [&] { return end - at > 1 && *at == '/'; };
+  if (more() && *++at != '/' && !take_index(word, at, texture, index[texture])) return false;
+  if (more() && !take_index(word, ++at, normal, index[normal])) return false;
+  if (at == end) {
+    add_corner(index);
+    return true;
   }
   Token here = word;
   here.column += static_cast<std::uint32_t>(at - word.text.data());
@@ -281,7 +327,7 @@ void ObjReader::take_face(Tokens& words, const Token& keyword) {
   if (good)
     finish_polygon(first, keyword);
   else
-    obj_.corners.resize(first);
+    drop_corners(first);
 }
 
 void ObjReader::finish_polygon(std::size_t first, const Token& keyword) {
@@ -296,10 +342,10 @@ void ObjReader::finish_polygon(std::size_t first, const Token& keyword) {
 
 /// The number of the current material, new at its first face: usemtl without faces does not count.
 std::uint32_t ObjReader::material_of_face() {
-  std::uint32_t& material = usemtl_now_ == kNone ? default_material_ : material_of_[usemtl_now_];
-  if (material == kNone) {
+  std::uint32_t& material = usemtl_now_ == kNoIndex ? default_material_ : material_of_[usemtl_now_];
+  if (material == kNoIndex) {
     material = static_cast<std::uint32_t>(obj_.materials.size());
-    obj_.materials.push_back(usemtl_now_ == kNone ? NamedPlace{} : usemtl_[usemtl_now_]);
+    obj_.materials.push_back(usemtl_now_ == kNoIndex ? NamedPlace{} : usemtl_[usemtl_now_]);
   }
   return material;
 }
@@ -341,7 +387,7 @@ api::Status ObjReader::take_material(Tokens& words, const Token& keyword) {
   usemtl_now_ = entry->second;
   if (is_new) {
     usemtl_.push_back({entry->first, name.line, name.column});
-    material_of_.push_back(kNone);
+    material_of_.push_back(kNoIndex);
   }
   if (usemtl_.size() > limits_.materials) return beyond_limit(name.line, "materials", limits_.materials);
   return api::Done{};

@@ -18,6 +18,10 @@ namespace engine {
 struct ObjFile {
   std::vector<Vec3> vertices;  ///< [m]
   std::vector<std::uint32_t> corners;
+  std::vector<std::uint32_t> corner_uvs,
+      corner_normals;  ///< as in Scene, but some of a polygon may have none
+  std::vector<Uv> uvs;
+  std::vector<Vec3> normals;      ///< unit, or zero where the file's is
   std::vector<Polygon> polygons;  ///< object: into the animated names, 0 = none; material: into `materials`
 
   /// As usemtl names them, in order of first use by a face; "" (line 0) for faces before any usemtl.

@@ -1,7 +1,6 @@
 #include "engine/scene/resolve_materials.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <map>
 #include <numbers>
@@ -26,86 +25,96 @@ std::string text_of(double value) {
 
 /// Given as below 1, but single precision may round it up.
 Rgb reflectance_of(const api::Vec3& rho) {
-  const float below_one = std::nextafter(1.0f, 0.0f);
-  const auto channel = [&](int i) { return std::min(static_cast<float>(rho[i]), below_one); };
+  const auto channel = [&](int i) { return std::min(static_cast<float>(rho[i]), kReflectanceMax); };
   return {channel(0), channel(1), channel(2)};
 }
 
 class MaterialResolver {
  public:
-  MaterialResolver(const InputFiles& files, const SceneLimits& limits, const TextureMean& texture_mean,
+  MaterialResolver(const InputFiles& files, const SceneLimits& limits, const TextureReader& texture_reader,
                    std::vector<api::Violation>& violations, std::vector<std::string>& warnings)
       : files_(files),
-        limits_(limits),
-        texture_mean_(texture_mean),
+        pixels_left_(limits.texture_pixels),
+        texture_reader_(texture_reader),
         violations_(violations),
         warnings_(warnings) {}
 
-  api::Result<Rgb> reflectance(const MtlMaterial& mtl);
+  /// Sets reflectance and texture.
+  api::Status reflect(const MtlMaterial& mtl, Material& material);
   Rgb exitance(const MtlMaterial& mtl);
+  std::vector<Texture> textures() { return std::move(textures_); }
 
  private:
-  api::Result<MtlColour> texture(const MtlMaterial& mtl);
+  api::Result<std::int32_t> read(const std::filesystem::path& path);
+  api::Status reflect_texture(const MtlMaterial& mtl, Material& material);
   void warn(const MtlMaterial& mtl, const std::string& what) {
     warnings_.push_back(mtl.file + ": material " + excerpt(mtl.name.name) + what);
   }
 
   const InputFiles& files_;
-  const SceneLimits& limits_;
-  const TextureMean& texture_mean_;
+  std::size_t pixels_left_;
+  const TextureReader& texture_reader_;
   std::vector<api::Violation>& violations_;
   std::vector<std::string>& warnings_;
-  std::map<std::filesystem::path, api::Result<Rgb>> means_;  ///< a texture of many materials is read once
+  std::vector<Texture> textures_;
+  std::map<std::filesystem::path, api::Result<std::int32_t>> read_;  ///< a texture of many materials: once
 };
 
 std::string remedy(const MtlMaterial& mtl) {
   return "set /materials/" + api::pointer_step(mtl.name.name) + "/reflectance in animation.json";
 }
 
-/// The mean of map_Kd, placed where map_Kd stands; black after a violation.
-api::Result<MtlColour> MaterialResolver::texture(const MtlMaterial& mtl) {
+/// The number of the texture.
+api::Result<std::int32_t> MaterialResolver::read(const std::filesystem::path& path) {
+  if (const auto known = read_.find(path); known != read_.end()) return known->second;
+  auto texture = texture_reader_(path, pixels_left_);
+  if (!texture) return read_.emplace(path, texture.error()).first->second;
+  pixels_left_ -= std::min(pixels_left_, texture->srgb.size());
+  textures_.push_back(std::move(*texture));
+  return read_.emplace(path, static_cast<std::int32_t>(textures_.size() - 1)).first->second;
+}
+
+api::Status MaterialResolver::reflect_texture(const MtlMaterial& mtl, Material& material) {
   const NamedPlace& map = mtl.map_kd;
+  FileViolations violations{mtl.file, violations_};
   const std::string name = excerpt(base_name(map.name));
   const auto path = find_input_file(files_, map.name);
   if (!path) {
-    FileViolations{mtl.file, violations_}.add(
-        map.line, map.column, "missing_file",
-        "texture " + name + " is not among the job's files; send it, or " + remedy(mtl));
-    return MtlColour{};
+    violations.add(map.line, map.column, "missing_file",
+                   "texture " + name + " is not among the job's files; send it, or " + remedy(mtl));
+    return api::Done{};
   }
-  auto known = means_.find(*path);
-  if (known == means_.end())
-    known = means_.emplace(*path, texture_mean_(*path, limits_.texture_pixels)).first;
-  const api::Result<Rgb>& mean = known->second;
-  if (!mean && mean.error().fault == api::Fault::internal) return mean.error();
-  if (!mean) {
-    FileViolations{mtl.file, violations_}.add(map.line, map.column, "unreadable_texture",
-                                              name + ": " + mean.error().message);
-    return MtlColour{};
+  const auto texture = read(*path);
+  if (!texture && texture.error().fault == api::Fault::internal) return texture.error();
+  if (!texture) {
+    violations.add(map.line, map.column, "unreadable_texture", name + ": " + texture.error().message);
+    return api::Done{};
   }
-  warn(mtl, ": texture " + name + " is reduced to its mean reflectance, " + text_of(mean->r) + " " +
-                text_of(mean->g) + " " + text_of(mean->b) + " (linear)");
-  return MtlColour{mean->r, mean->g, mean->b, map.line, map.column};
+  material.texture = *texture;
+  material.reflectance = mean_reflectance(textures_[std::size_t(*texture)]);
+  if (max_channel(material.reflectance) >= kReflectanceMax)
+    violations.add(
+        map.line, map.column, "out_of_range",
+        "texture " + name + " reflects everything; a reflectance is below 1. Change it, or " + remedy(mtl));
+  if (mtl.map_kd_has_options) warn(mtl, ": the options of its map_Kd are ignored");
+  return api::Done{};
 }
 
-api::Result<Rgb> MaterialResolver::reflectance(const MtlMaterial& mtl) {
-  MtlColour kd = mtl.kd;
-  if (mtl.map_kd.line > 0) {
-    const auto mean = texture(mtl);
-    if (!mean) return mean.error();
-    kd = *mean;
-  } else if (kd.line == 0) {
+api::Status MaterialResolver::reflect(const MtlMaterial& mtl, Material& material) {
+  if (mtl.map_kd.line > 0) return reflect_texture(mtl, material);
+  const MtlColour& kd = mtl.kd;
+  if (kd.line == 0) {
     warn(mtl, " has no Kd; it reflects half");
-    return kDefaultReflectance;
+    return api::Done{};
   }
   const auto [low, high] = std::minmax({kd.r, kd.g, kd.b});
-  const Rgb rgb{static_cast<float>(kd.r), static_cast<float>(kd.g), static_cast<float>(kd.b)};
-  if (low < 0 || max_channel(rgb) >= 1)
+  if (low < 0 || static_cast<float>(high) >= 1)
     FileViolations{mtl.file, violations_}.add(
         kd.line, kd.column, "out_of_range",
         "material " + excerpt(mtl.name.name) + " reflects " + text_of(low < 0 ? low : high) +
             "; a reflectance is at least 0 and below 1. Change it, or " + remedy(mtl));
-  return rgb;
+  material.reflectance = reflectance_of({kd.r, kd.g, kd.b});
+  return api::Done{};
 }
 
 Rgb MaterialResolver::exitance(const MtlMaterial& mtl) {
@@ -122,13 +131,11 @@ Rgb MaterialResolver::exitance(const MtlMaterial& mtl) {
 /// What animation.json gives replaces what the MTL says, which then is not looked at.
 api::Result<Material> material_of(const NamedPlace& use, const MtlMaterial* mtl,
                                   const api::MaterialSettings& given, MaterialResolver& resolver) {
-  Material material{use.name, kDefaultReflectance, {}, given.sides != api::Sides::front};
+  Material material{use.name, kDefaultReflectance, {}, given.sides != api::Sides::front, -1};
   if (given.reflectance.given()) {
     material.reflectance = reflectance_of(given.reflectance.keys.front().value);
   } else if (mtl) {
-    const auto reflectance = resolver.reflectance(*mtl);
-    if (!reflectance) return reflectance.error();
-    material.reflectance = *reflectance;
+    if (const auto done = resolver.reflect(*mtl, material); !done) return done.error();
   }
   if (given.exitance_w_m2.given()) {
     const api::Vec3& first = given.exitance_w_m2.keys.front().value;
@@ -159,18 +166,18 @@ void check_description(const ObjFile& obj, const MtlLibrary& library, const std:
 
 }  // namespace
 
-api::Result<std::vector<Material>> resolve_materials(const ObjFile& obj, const InputFiles& files,
-                                                     const api::SceneDescription& description,
-                                                     const SceneLimits& limits,
-                                                     const TextureMean& texture_mean,
-                                                     std::vector<api::Violation>& violations,
-                                                     std::vector<std::string>& warnings) {
+api::Result<ResolvedMaterials> resolve_materials(const ObjFile& obj, const InputFiles& files,
+                                                 const api::SceneDescription& description,
+                                                 const SceneLimits& limits,
+                                                 const TextureReader& texture_reader,
+                                                 std::vector<api::Violation>& violations,
+                                                 std::vector<std::string>& warnings) {
   const auto library = read_mtl_library(obj, files, limits, violations, warnings);
   if (!library) return library.error();
   std::vector<std::string> known;
   for (const auto& [name, material] : library->materials) known.push_back(name);
 
-  MaterialResolver resolver(files, limits, texture_mean, violations, warnings);
+  MaterialResolver resolver(files, limits, texture_reader, violations, warnings);
   std::vector<Material> materials;
   for (const NamedPlace& use : obj.materials) {
     const auto mtl = library->materials.find(use.name);
@@ -190,7 +197,7 @@ api::Result<std::vector<Material>> resolve_materials(const ObjFile& obj, const I
     materials.push_back(std::move(*material));
   }
   check_description(obj, *library, known, description, violations, warnings);
-  return materials;
+  return ResolvedMaterials{std::move(materials), resolver.textures()};
 }
 
 }  // namespace engine

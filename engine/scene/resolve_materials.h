@@ -11,14 +11,19 @@
 
 namespace engine {
 
-/// One Material per entry of `obj.materials`, in that order. What animation.json gives wins over the MTL, and
-/// what it replaces is not checked. Violations are added to `violations`; then the answer is of no use.
-/// Error: as read_mtl_file; internal where `texture_mean` says so.
-api::Result<std::vector<Material>> resolve_materials(const ObjFile& obj, const InputFiles& files,
-                                                     const api::SceneDescription& description,
-                                                     const SceneLimits& limits,
-                                                     const TextureMean& texture_mean,
-                                                     std::vector<api::Violation>& violations,
-                                                     std::vector<std::string>& warnings);
+struct ResolvedMaterials {
+  std::vector<Material> materials;  ///< one per entry of ObjFile::materials, in that order
+  std::vector<Texture> textures;    ///< those that `materials` have, each once
+};
+
+/// What animation.json gives wins over the MTL, and what it replaces is not checked. Violations are added to
+/// `violations`; then the answer is of no use. Error: as read_mtl_file; internal where `texture_reader` says
+/// so.
+api::Result<ResolvedMaterials> resolve_materials(const ObjFile& obj, const InputFiles& files,
+                                                 const api::SceneDescription& description,
+                                                 const SceneLimits& limits,
+                                                 const TextureReader& texture_reader,
+                                                 std::vector<api::Violation>& violations,
+                                                 std::vector<std::string>& warnings);
 
 }  // namespace engine

@@ -9,10 +9,10 @@ namespace {
 const std::string kWallAndLamp = "mtllib a.mtl\n" + kSquare + "usemtl wall\nf 1 2 3\nusemtl lamp\nf 1 3 4\n";
 
 api::Result<Scene> load_with_mtl(std::string_view mtl, const api::SceneDescription& description = dark(),
-                                 const TextureMean& texture_mean = refuse_texture) {
+                                 const TextureReader& texture_reader = refuse_texture) {
   SceneFolder folder;
   folder.with("scene.obj", kWallAndLamp).with("a.mtl", mtl).with("wood.png", "pixels");
-  return load_scene(folder.path(), description, {}, texture_mean);
+  return load_scene(folder.path(), description, {}, texture_reader);
 }
 
 std::string places_in_mtl(std::string_view mtl) {
@@ -173,27 +173,65 @@ TEST(Libraries, MayBeSeveralAndMayHaveSpaces) {
 const std::string kWoodenWall =
     "newmtl wall\nKd 1 1 1\nmap_Kd -s 2 2 -clamp on Textures\\Wood.PNG\nnewmtl lamp\nKd .5\n";
 
-TEST(Textures, AreReducedToTheirMeanWithAWarning) {
+/// Two by two pixels of one level.
+Texture flat(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
+  return {2, 2, {{r, g, b}, {r, g, b}, {r, g, b}, {r, g, b}}};
+}
+
+TEST(Textures, AreReadOnceAndReplaceKd) {
   int reads = 0;
-  const TextureMean mean = [&](const std::filesystem::path& texture, std::size_t) -> api::Result<Rgb> {
+  const TextureReader reader = [&](const std::filesystem::path& texture,
+                                   std::size_t) -> api::Result<Texture> {
     ++reads;
     EXPECT_EQ(texture.filename(), "wood.png");
-    return Rgb{.1f, .2f, .3f};
+    return flat(188, 128, 0);
   };
-  const auto scene = load_with_mtl(kWoodenWall + "map_Kd wood.png\n", dark(), mean);
+  const auto scene = load_with_mtl(kWoodenWall + "map_Kd wood.png\n", dark(), reader);
   ASSERT_TRUE(scene) << places_of(scene.error());
-  EXPECT_EQ(scene->materials[0].reflectance, (Rgb{.1f, .2f, .3f}));
-  EXPECT_TRUE(has_warning(
-      *scene, "material 'wall': texture 'Wood.PNG' is reduced to its mean reflectance, 0.1 0.2 0.3"));
   EXPECT_EQ(reads, 1) << "both materials have the same texture";
+  EXPECT_EQ(scene->textures.size(), 1u);
+  for (const Material& material : scene->materials) {
+    EXPECT_EQ(material.texture, 0);
+    EXPECT_EQ(material.reflectance, mean_reflectance(flat(188, 128, 0)));
+  }
+  EXPECT_TRUE(has_warning(*scene, "material 'wall': the options of its map_Kd are ignored"));
+  EXPECT_FALSE(has_warning(*scene, "material 'lamp': the options"));
+  EXPECT_TRUE(has_warning(*scene, "1 polygon of material 'wall' without texture coordinates"));
+}
+
+TEST(Textures, GiveWayToAReflectanceInTheAnimation) {
+  api::SceneDescription description = dark();
+  description.materials["wall"].reflectance.keys = {{0, {.1, .2, .3}}, {9, {.4, .5, .6}}};
+  const auto scene = load_with_mtl(kWoodenWall, description);  // whose reader would refuse the texture
+  ASSERT_TRUE(scene) << places_of(scene.error());
+  EXPECT_EQ(scene->materials[0].texture, -1);
+  EXPECT_EQ(scene->materials[0].reflectance, (Rgb{.1f, .2f, .3f}));
+  EXPECT_TRUE(scene->textures.empty());
+}
+
+TEST(Textures, HaveALimitOfPixelsTogether) {
+  SceneFolder folder;
+  folder.with("scene.obj", kWallAndLamp).with("a.png", "1").with("b.png", "2");
+  folder.with("a.mtl", "newmtl wall\nmap_Kd a.png\nnewmtl lamp\nmap_Kd b.png\n");
+  const TextureReader reader = [](const auto&, std::size_t pixels_max) -> api::Result<Texture> {
+    if (pixels_max < 4) return api::Error{api::Fault::out_of_resources, "too large"};
+    return flat(9, 9, 9);
+  };
+  SceneLimits limits;
+  limits.texture_pixels = 8;
+  EXPECT_TRUE(load_scene(folder.path(), dark(), limits, reader));
+  limits.texture_pixels = 7;
+  const auto scene = load_scene(folder.path(), dark(), limits, reader);
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(places_of(scene.error()), "a.mtl:4:8 unreadable_texture\n");
 }
 
 TEST(Textures, ThatAreMissingUnreadableOrWhiteAreNamedWithTheirPlace) {
-  const auto places = [](const std::string& mtl, const TextureMean& mean) {
-    const auto scene = load_with_mtl(mtl, dark(), mean);
+  const auto places = [](const std::string& mtl, const TextureReader& reader) {
+    const auto scene = load_with_mtl(mtl, dark(), reader);
     return scene ? "loaded" : places_of(scene.error());
   };
-  const TextureMean white = [](const auto&, std::size_t) { return Rgb{.5f, 1, .5f}; };
+  const TextureReader white = [](const auto&, std::size_t) { return flat(188, 255, 188); };
   EXPECT_EQ(places(kWoodenWall, refuse_texture), "a.mtl:3:25 unreadable_texture\n");
   EXPECT_EQ(places(kWoodenWall, white), "a.mtl:3:25 out_of_range\n");
   EXPECT_EQ(places(kWoodenWall + "map_Kd gone.png\n", white),

@@ -1,5 +1,5 @@
-// Textures written by OpenImageIO, whose mean is known in closed form.
-#include "engine/image/texture_mean.h"
+// Textures written by OpenImageIO, whose pixels and mean are known.
+#include "engine/image/texture_file.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -38,66 +38,81 @@ std::vector<unsigned char> repeated(std::vector<unsigned char> pixel, int times)
   return pixels;
 }
 
-// 1e-5: a level of the 16 bits it is read with, and single precision.
-TEST(TextureMean, IsTakenInLinearLightNotOfSrgbValues) {
+Rgb mean_of(const api::Result<Texture>& texture) {
+  return texture ? mean_reflectance(*texture) : Rgb{-1, -1, -1};
+}
+
+TEST(TextureFile, KeepsEveryPixelWithTheTopRowFirst) {
+  SceneFolder folder;
+  std::vector<unsigned char> pixels;
+  for (unsigned i = 0; i < 3 * 700; ++i) pixels.push_back(static_cast<unsigned char>(i * 37));
+  write_image(folder, "all.png", "png", 7, 100, 3, pixels);
+  const auto texture = read_texture(folder.path() / "all.png", kPixelsMax);
+  ASSERT_TRUE(texture) << texture.error().message;
+  EXPECT_EQ(texture->width, 7u);
+  EXPECT_EQ(texture->height, 100u);
+  ASSERT_EQ(texture->srgb.size(), 700u);
+  for (std::size_t i = 0; i < 700; ++i)
+    for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(texture->srgb[i][c], pixels[3 * i + c]) << i;
+}
+
+// 1e-5: white counts as 0.999999, and single precision.
+TEST(TextureFile, IsReadInLinearLightNotOfSrgbValues) {
   SceneFolder folder;
   std::vector<unsigned char> pixels = repeated({0, 0, 0}, 100 * 50);
   const std::vector<unsigned char> bright = repeated({255, 188, 128}, 100 * 50);
   pixels.insert(pixels.end(), bright.begin(), bright.end());
   write_image(folder, "half.png", "png", 100, 100, 3, pixels);
-  const auto mean = mean_reflectance_of_texture(folder.path() / "half.png", kPixelsMax);
-  ASSERT_TRUE(mean) << mean.error().message;
-  EXPECT_NEAR(mean->r, 0.5, 1e-5);
-  EXPECT_NEAR(mean->g, linear(188) / 2, 1e-5);
-  EXPECT_NEAR(mean->b, linear(128) / 2, 1e-5);
+  const Rgb mean = mean_of(read_texture(folder.path() / "half.png", kPixelsMax));
+  EXPECT_NEAR(mean.r, 0.5, 1e-5);
+  EXPECT_NEAR(mean.g, linear(188) / 2, 1e-5);
+  EXPECT_NEAR(mean.b, linear(128) / 2, 1e-5);
 }
 
-TEST(TextureMean, OfGreyIsGreyAndAlphaIsNotRead) {
+TEST(TextureFile, OfGreyIsGreyAndAlphaIsNotRead) {
   SceneFolder folder;
   write_image(folder, "grey.png", "png", 3, 5, 1, repeated({100}, 15));
   write_image(folder, "alpha.png", "png", 3, 5, 4, repeated({200, 100, 50, 10}, 15));
-  const auto grey = mean_reflectance_of_texture(folder.path() / "grey.png", kPixelsMax);
-  const auto alpha = mean_reflectance_of_texture(folder.path() / "alpha.png", kPixelsMax);
-  ASSERT_TRUE(grey && alpha);
-  EXPECT_NEAR(grey->r, linear(100), 1e-5);
-  EXPECT_EQ(grey->b, grey->r);
-  EXPECT_NEAR(alpha->r, linear(200), 1e-5);
-  EXPECT_NEAR(alpha->b, linear(50), 1e-5);
+  const Rgb grey = mean_of(read_texture(folder.path() / "grey.png", kPixelsMax));
+  const Rgb alpha = mean_of(read_texture(folder.path() / "alpha.png", kPixelsMax));
+  EXPECT_NEAR(grey.r, linear(100), 1e-5);
+  EXPECT_EQ(grey.b, grey.r);
+  EXPECT_NEAR(alpha.r, linear(200), 1e-5);
+  EXPECT_NEAR(alpha.b, linear(50), 1e-5);
 }
 
-TEST(TextureMean, OfAJpegIsWithinItsCoding) {
+TEST(TextureFile, OfAJpegIsWithinItsCoding) {
   SceneFolder folder;
   write_image(folder, "flat.jpg", "jpg", 64, 64, 3, repeated({180, 90, 60}, 64 * 64));
-  const auto mean = mean_reflectance_of_texture(folder.path() / "flat.jpg", kPixelsMax);
-  ASSERT_TRUE(mean) << mean.error().message;
+  const Rgb mean = mean_of(read_texture(folder.path() / "flat.jpg", kPixelsMax));
   // YCbCr in whole numbers is off by 2 levels at most.
-  EXPECT_NEAR(mean->r, linear(180), linear(182) - linear(180));
-  EXPECT_NEAR(mean->g, linear(90), linear(92) - linear(90));
-  EXPECT_NEAR(mean->b, linear(60), linear(62) - linear(60));
+  EXPECT_NEAR(mean.r, linear(180), linear(182) - linear(180));
+  EXPECT_NEAR(mean.g, linear(90), linear(92) - linear(90));
+  EXPECT_NEAR(mean.b, linear(60), linear(62) - linear(60));
 }
 
-TEST(TextureMean, GoesByFirstBytesNotByName) {
+TEST(TextureFile, GoesByFirstBytesNotByName) {
   SceneFolder folder;
   write_image(folder, "wood.jpg", "png", 4, 4, 3, repeated({188, 188, 188}, 16));
-  EXPECT_TRUE(mean_reflectance_of_texture(folder.path() / "wood.jpg", kPixelsMax));
+  EXPECT_TRUE(read_texture(folder.path() / "wood.jpg", kPixelsMax));
   write_image(folder, "wood.png", "tif", 4, 4, 3, repeated({188, 188, 188}, 16));
-  const auto tiff = mean_reflectance_of_texture(folder.path() / "wood.png", kPixelsMax);
+  const auto tiff = read_texture(folder.path() / "wood.png", kPixelsMax);
   ASSERT_FALSE(tiff) << "other decoders must not see a stranger's file";
   EXPECT_EQ(tiff.error().fault, api::Fault::invalid_request);
 }
 
-TEST(TextureMean, RefusesWhatIsTooLarge) {
+TEST(TextureFile, RefusesWhatIsTooLarge) {
   SceneFolder folder;
   write_image(folder, "wide.png", "png", kTextureEdgeMax + 1, 1, 1, repeated({9}, kTextureEdgeMax + 1));
-  const auto wide = mean_reflectance_of_texture(folder.path() / "wide.png", kPixelsMax);
+  const auto wide = read_texture(folder.path() / "wide.png", kPixelsMax);
   ASSERT_FALSE(wide);
   EXPECT_EQ(wide.error().fault, api::Fault::out_of_resources);
   write_image(folder, "small.png", "png", 10, 10, 1, repeated({9}, 100));
-  EXPECT_TRUE(mean_reflectance_of_texture(folder.path() / "small.png", 100));
-  EXPECT_FALSE(mean_reflectance_of_texture(folder.path() / "small.png", 99));
+  EXPECT_TRUE(read_texture(folder.path() / "small.png", 100));
+  EXPECT_FALSE(read_texture(folder.path() / "small.png", 99));
 }
 
-TEST(TextureMean, RefusesWhatIsDamagedOrEmptyOrNotThere) {
+TEST(TextureFile, RefusesWhatIsDamagedOrEmptyOrNotThere) {
   SceneFolder folder;
   std::vector<unsigned char> noise;
   for (unsigned i = 0; i < 64 * 64; ++i) noise.push_back(static_cast<unsigned char>((i * 2654435761u) >> 11));
@@ -105,21 +120,24 @@ TEST(TextureMean, RefusesWhatIsDamagedOrEmptyOrNotThere) {
   const auto whole = std::filesystem::file_size(folder.path() / "cut.png");
   for (const std::uintmax_t bytes : {whole / 2, std::uintmax_t{40}, std::uintmax_t{8}, std::uintmax_t{0}}) {
     std::filesystem::resize_file(folder.path() / "cut.png", bytes);
-    const auto mean = mean_reflectance_of_texture(folder.path() / "cut.png", kPixelsMax);
-    ASSERT_FALSE(mean) << bytes;
-    EXPECT_EQ(mean.error().fault, api::Fault::invalid_request) << bytes;
+    const auto cut = read_texture(folder.path() / "cut.png", kPixelsMax);
+    ASSERT_FALSE(cut) << bytes;
+    EXPECT_EQ(cut.error().fault, api::Fault::invalid_request) << bytes;
   }
-  EXPECT_FALSE(mean_reflectance_of_texture(folder.path() / "gone.png", kPixelsMax));
+  EXPECT_FALSE(read_texture(folder.path() / "gone.png", kPixelsMax));
 }
 
-TEST(TextureMean, ReplacesKdOfAScene) {
+TEST(TextureFile, ReplacesKdOfAScene) {
   SceneFolder folder;
   write_image(folder, "wood.png", "png", 8, 8, 3, repeated({188, 128, 100}, 64));
-  folder.with("scene.obj", "mtllib a.mtl\n" + kSquare + "usemtl wood\nf 1 2 3 4\n")
+  folder.with("scene.obj", "mtllib a.mtl\n" + kSquare + "vt .5 .5\nusemtl wood\nf 1/1 2/1 3/1 4/1\n")
       .with("a.mtl", "newmtl wood\nKd 1 1 1\nmap_Kd C:\\tex\\Wood.PNG\n");
-  const auto scene = load_scene(folder.path(), dark(), {}, mean_reflectance_of_texture);
+  const auto scene = load_scene(folder.path(), dark(), {}, read_texture);
   ASSERT_TRUE(scene) << places_of(scene.error());
   EXPECT_NEAR(scene->materials[0].reflectance.g, linear(128), 1e-5);
+  ASSERT_EQ(scene->materials[0].texture, 0);
+  EXPECT_EQ(scene->textures.at(0).srgb.size(), 64u);
+  EXPECT_EQ(scene->corner_uvs, (std::vector<std::uint32_t>{0, 0, 0, 0}));
 }
 
 }  // namespace
