@@ -79,10 +79,14 @@ struct JobReport {
   std::optional<Forecast> forecast = std::nullopt;  ///< of `keylume check`, and of `render` before it began
 };
 
-// Defined in api/json/.
+// Defined in api/json/. Readers take documents of older and newer versions: what is not known is let pass.
 std::string key_frame_report_json(const KeyFrameReport& report);
 Result<KeyFrameReport> parse_key_frame_report(std::string_view bytes);
 std::string job_report_json(const JobReport& report);
 Result<JobReport> parse_job_report(std::string_view bytes);
+/// {"polygons":6,"patches":600,"frames":24,"memory_bytes":123456789,"seconds":4.5}:
+/// api/schemas/forecast.schema.json
+std::string forecast_json(const Forecast& forecast);
+Result<Forecast> parse_forecast(std::string_view bytes);
 
 }  // namespace api

@@ -8,6 +8,7 @@ LightingOptions lighting_preset(Preset preset) {
   switch (preset) {
     case Preset::draft:
       options.line_count = 500'000;
+      options.moving_line_count = 500'000;
       options.samples_per_light = 4;
       options.patch_edge_m = 0.4;
       options.estimate_line_count = 50'000;
@@ -16,6 +17,7 @@ LightingOptions lighting_preset(Preset preset) {
       break;
     case Preset::high:
       options.line_count = 16'000'000;
+      options.moving_line_count = 8'000'000;
       options.samples_per_light = 32;
       options.patch_edge_m = 0.125;
       options.estimate_line_count = 500'000;

@@ -6,7 +6,7 @@
 
 namespace api {
 namespace {
-constexpr std::size_t kListedNames = 12;
+constexpr std::size_t kListedNames = 24;
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {

@@ -17,7 +17,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 std::optional<std::string_view> nearest_name(std::string_view given, std::span<const std::string_view> names,
                                              std::size_t bytes_max = 64);
 
-/// `; did you mean "camera"?` where one is near, else `; expected one of "a", "b"`. At most 12 are listed.
+/// `; did you mean "camera"?` where one is near, else `; expected one of "a", "b"`. At most 24 are listed.
 std::string suggestion(std::string_view given, std::span<const std::string_view> names);
 
 }  // namespace api

@@ -23,8 +23,8 @@ struct ProgressLine {
   std::optional<double> seconds_left = std::nullopt;  ///< expected; none while there is nothing to tell it by
 };
 
-/// {"stage":"solve","stage_fraction":0.25,"fraction":0.6,"message":""} without a newline. Defined in
-/// api/json/.
+/// {"stage":"solve","stage_fraction":0.25,"fraction":0.6,"message":"","seconds_left":12.5} without a newline.
+/// Readers let pass what they do not know. Defined in api/json/.
 std::string progress_line_json(const ProgressLine& line);
 Result<ProgressLine> parse_progress_line(std::string_view bytes);
 

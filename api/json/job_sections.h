@@ -15,9 +15,9 @@ namespace api {
 
 inline constexpr std::size_t kObjectsMax = 10'000;    ///< in animation.json; the OBJ may hold more
 inline constexpr std::size_t kMaterialsMax = 10'000;  ///< in animation.json; the MTL may hold more
+inline constexpr std::size_t kLightsMax = 1000;
 inline constexpr std::size_t kCamerasMax = 64;
 inline constexpr std::size_t kImagesMax = 16;
-inline constexpr std::size_t kNameBytesMax = 200;  ///< of a job, an object, a material
 
 inline constexpr std::array kLightingModes{
     Named<LightingMode>{"default", LightingMode::standard}, Named<LightingMode>{"paper", LightingMode::paper},
@@ -28,6 +28,7 @@ inline constexpr std::array kLightingModes{
 ObjectAnimation read_object(const Node& node, FrameIndex frame_count);
 RotationTrack read_rotation(const Node& node, FrameIndex frame_count);
 MaterialSettings read_material(const Node& node, FrameIndex frame_count);
+LightSource read_light(const Node& node, FrameIndex frame_count);
 Camera read_camera(const Node& node, FrameIndex frame_count);
 LightingOptions read_lighting(const Node& node);
 std::vector<ImageOptions> read_images(const Node& node, const std::map<std::string, Camera>& cameras);

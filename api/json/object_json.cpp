@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "api/json/job_sections.h"
+#include "api/json/parents.h"
 #include "api/json/track_json.h"
 
 namespace api {
@@ -116,7 +117,9 @@ RotationTrack read_rotation(const Node& node, FrameIndex frame_count) {
 
 ObjectAnimation read_object(const Node& node, FrameIndex frame_count) {
   ObjectAnimation object;
-  if (!is_object_of(node, {"pivot", "translate", "rotate", "scale", "visible", "matrices"})) return object;
+  if (!is_object_of(node, {"parent", "pivot", "translate", "rotate", "scale", "visible", "matrices"}))
+    return object;
+  if (const auto parent = member(node, "parent")) object.parent = read_parent(*parent);
   const auto coordinate = [](const Node& value) { return vec3(value, kCoordinate); };
   const auto factor = [](const Node& value) { return number_or_vec3(value, kFactor); };
   if (const auto field = member(node, "matrices")) {

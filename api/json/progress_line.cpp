@@ -1,5 +1,8 @@
 #include "api/progress_line.h"
 
+#include <cmath>
+#include <limits>
+
 #include "api/json/json_text.h"
 #include "api/json/reader.h"
 #include "api/json/strict_check.h"
@@ -9,6 +12,7 @@ namespace {
 
 constexpr JsonLimits kLineLimits{.bytes = 64u << 10, .depth = 8, .values = 1000};
 constexpr Range kFraction{0, 1};
+constexpr Range kSeconds{0, std::numeric_limits<double>::max()};
 constexpr std::string_view kWhere = "progress.ndjson";
 
 ProgressLine read_line(const Node& node) {
@@ -29,6 +33,8 @@ ProgressLine read_line(const Node& node) {
     else
       add_violation(*message, "wrong_type", "must be a string");
   }
+  if (const auto left = member(node, "seconds_left"); left && !left->json->is_null())
+    line.seconds_left = number(*left, kSeconds);
   return line;
 }
 
@@ -40,6 +46,8 @@ std::string progress_line_json(const ProgressLine& line) {
   json["stage_fraction"] = line.stage_fraction;
   json["fraction"] = line.fraction;
   json["message"] = line.message;
+  const bool known = line.seconds_left && std::isfinite(*line.seconds_left);
+  json["seconds_left"] = known ? Json(*line.seconds_left) : Json(nullptr);
   return json_text(json);
 }
 

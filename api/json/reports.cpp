@@ -34,6 +34,26 @@ std::optional<double> number_or_null(const Node& object, std::string_view name) 
   return number(*node, kNotNegative);
 }
 
+Json optional_json(const std::optional<bool>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+/// A member that is there and not null. What is newer than version 0.1.0 may be missing.
+std::optional<Node> known_member(const Node& object, std::string_view name) {
+  const auto node = member(object, name);
+  return node && !node->json->is_null() ? node : std::nullopt;
+}
+
+std::optional<double> known_number(const Node& object, std::string_view name) {
+  const auto node = known_member(object, name);
+  return node ? number(*node, kNotNegative) : std::nullopt;
+}
+
+std::optional<bool> known_boolean(const Node& object, std::string_view name) {
+  const auto node = known_member(object, name);
+  return node ? boolean(*node) : std::nullopt;
+}
+
 template <class T>
 void take_whole(const Node& object, std::string_view name, std::uint64_t highest, T& value) {
   if (const auto node = required(object, name)) take(whole(*node, 0, highest), value);
@@ -49,21 +69,26 @@ void take_string(const Node& object, std::string_view name, std::string& value) 
     add_violation(*node, "wrong_type", "must be a string");
 }
 
+/// An object; members that are not known are let pass.
+bool is_object(const Node& node) {
+  if (node.json->is_object()) return true;
+  add_violation(node, "wrong_type", "must be an object");
+  return false;
+}
+
 /// Calls `read` for every element of an array that must be there.
 template <class Read>
 void each(const Node& object, std::string_view name, std::size_t most, Read read) {
   const auto list = required(object, name);
   if (!list || !is_array_of(*list, 0, most)) return;
   for (std::size_t i = 0; i < list->json->size(); ++i)
-    if (list->json->at(i).is_object())
-      read(element(*list, i));
-    else
-      add_violation(element(*list, i), "wrong_type", "must be an object");
+    if (is_object(element(*list, i))) read(element(*list, i));
 }
 
 KeyFrameReport read_key_frames(const Node& root) {
   KeyFrameReport report;
   if (const auto mode = required(root, "mode")) take(one_of(*mode, kLightingModes), report.mode);
+  report.tolerance = known_number(root, "tolerance");
   each(root, "frames", kFramesMax, [&](const Node& node) {
     FrameRecord frame;
     take_whole(node, "frame", kFramesMax - 1, frame.frame);
@@ -77,6 +102,7 @@ KeyFrameReport read_key_frames(const Node& root) {
     take_whole(node, "last", kFramesMax - 1, interval.last);
     interval.predicted_error = number_or_null(node, "predicted_error");
     interval.observed_error = number_or_null(node, "observed_error");
+    interval.kept = known_boolean(node, "kept");
     report.intervals.push_back(interval);
   });
   return report;
@@ -91,6 +117,24 @@ Violation read_violation(const Node& node) {
   take_string(node, "code", violation.code);
   take_string(node, "detail", violation.detail);
   return violation;
+}
+
+Forecast read_forecast(const Node& node) {
+  Forecast forecast;
+  take_whole(node, "polygons", kCountMax, forecast.polygons);
+  take_whole(node, "patches", kCountMax, forecast.patches);
+  take_whole(node, "frames", kCountMax, forecast.frames);
+  take_whole(node, "memory_bytes", kCountMax, forecast.memory_bytes);
+  if (const auto seconds = required(node, "seconds")) take(number(*seconds, kNotNegative), forecast.seconds);
+  return forecast;
+}
+
+Json json_of(const Forecast& forecast) {
+  return {{"polygons", forecast.polygons},
+          {"patches", forecast.patches},
+          {"frames", forecast.frames},
+          {"memory_bytes", forecast.memory_bytes},
+          {"seconds", forecast.seconds}};
 }
 
 JobReport read_job_report(const Node& root) {
@@ -121,6 +165,11 @@ JobReport read_job_report(const Node& root) {
     if (const auto value = number(*field, {-kMost, kMost})) report.counts.emplace_back(name, *value);
   });
   take_whole(root, "peak_memory_bytes", kCountMax, report.peak_memory_bytes);
+  report.noise = known_number(root, "noise");
+  report.target_error = known_number(root, "target_error");
+  report.target_error_met = known_boolean(root, "target_error_met");
+  if (const auto forecast = known_member(root, "forecast"))
+    if (is_object(*forecast)) report.forecast = read_forecast(*forecast);
   return report;
 }
 
@@ -131,10 +180,7 @@ Result<Report> parse_report(std::string_view bytes, std::string_view file, Read 
   if (!json) return json.error();
   Findings findings{std::string(file), {}};
   const Node root{&*json, "", &findings};
-  if (!json->is_object()) {
-    add_violation(root, "wrong_type", "must be an object");
-    return refusal(file, std::move(findings.violations));
-  }
+  if (!is_object(root)) return refusal(file, std::move(findings.violations));
   Report report = read(root);
   if (!findings.violations.empty()) return refusal(file, std::move(findings.violations));
   return report;
@@ -145,6 +191,7 @@ Result<Report> parse_report(std::string_view bytes, std::string_view file, Read 
 std::string key_frame_report_json(const KeyFrameReport& report) {
   Json json = Json::object();
   json["mode"] = name_in(kLightingModes, report.mode);
+  json["tolerance"] = optional_json(report.tolerance);
   json["frames"] = Json::array();
   for (const FrameRecord& frame : report.frames)
     json["frames"].push_back({{"frame", frame.frame},
@@ -155,12 +202,21 @@ std::string key_frame_report_json(const KeyFrameReport& report) {
     json["intervals"].push_back({{"first", interval.first},
                                  {"last", interval.last},
                                  {"predicted_error", optional_json(interval.predicted_error)},
-                                 {"observed_error", optional_json(interval.observed_error)}});
+                                 {"observed_error", optional_json(interval.observed_error)},
+                                 {"kept", optional_json(interval.kept)}});
   return json_text(json);
 }
 
 Result<KeyFrameReport> parse_key_frame_report(std::string_view bytes) {
   return parse_report<KeyFrameReport>(bytes, "key_frames.json", read_key_frames);
+}
+
+std::string forecast_json(const Forecast& forecast) {
+  return json_text(json_of(forecast));
+}
+
+Result<Forecast> parse_forecast(std::string_view bytes) {
+  return parse_report<Forecast>(bytes, "forecast", read_forecast);
 }
 
 std::string job_report_json(const JobReport& report) {
@@ -176,6 +232,10 @@ std::string job_report_json(const JobReport& report) {
   for (const auto& [name, value] : report.counts)
     json["counts"].push_back({{"name", name}, {"value", value}});
   json["peak_memory_bytes"] = report.peak_memory_bytes;
+  json["noise"] = optional_json(report.noise);
+  json["target_error"] = optional_json(report.target_error);
+  json["target_error_met"] = optional_json(report.target_error_met);
+  json["forecast"] = report.forecast ? json_of(*report.forecast) : Json(nullptr);
   return json_text(json);
 }
 

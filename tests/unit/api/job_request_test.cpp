@@ -48,6 +48,7 @@ TEST(ParseJobRequest, FieldsGivenBesideAPresetWin) {
   ASSERT_TRUE(request);
   LightingOptions expected = lighting_preset(Preset::draft);
   expected.line_count = 5000;
+  expected.moving_line_count = 5000;
   EXPECT_EQ(request->lighting, expected);
 }
 

@@ -31,14 +31,33 @@ ParsedJson base_document() {
 }
 
 /// Matrices are one per frame, so the last one given is repeated to the end.
+void repeat_matrices(ParsedJson& object) {
+  if (!object.is_object() || !object.contains("matrices")) return;
+  auto& matrices = object["matrices"];
+  if (matrices.is_array() && !matrices.empty())
+    while (matrices.size() < kFramesMax) matrices.push_back(ParsedJson(matrices.back()));
+}
+
+/// Room for `value` below the bound that another member is, whose default is `usual`.
+void raise_bound(ParsedJson& object, const char* value, const char* bound, double usual, double highest) {
+  if (object.is_object() && object.contains(value) && !object.contains(bound) && object[value].is_number() &&
+      object[value].get<double>() > usual)
+    object[bound] = highest;
+}
+
+/// What holds only together with something else in the document gets that beside it.
 ParsedJson fitted(ParsedJson document) {
-  if (!document.contains("objects") || !document["objects"].is_object()) return document;
-  for (auto& object : document["objects"]) {
-    if (!object.is_object() || !object.contains("matrices")) continue;
-    auto& matrices = object["matrices"];
-    if (matrices.is_array() && !matrices.empty())
-      while (matrices.size() < kFramesMax) matrices.push_back(ParsedJson(matrices.back()));
-  }
+  const auto object_named = [&](const char* section, const char* name) {
+    return document.contains(section) && document[section].is_object() && document[section].contains(name);
+  };
+  if (object_named("objects", "main") || object_named("lights", "main"))
+    document["objects"].emplace("car", ParsedJson::object());  // the parent of the schema's example
+  if (document.contains("objects") && document["objects"].is_object())
+    for (auto& object : document["objects"]) repeat_matrices(object);
+  if (object_named("lights", "main"))
+    raise_bound(document["lights"]["main"], "inner_degrees", "outer_degrees", 30, 90);
+  if (document.contains("lighting"))
+    raise_bound(document["lighting"], "moving_line_count", "line_count", 4e6, 1e9);
   return document;
 }
 
@@ -46,7 +65,13 @@ ParsedJson fitted(ParsedJson document) {
 ParsedJson copy_of(ParsedJson element, std::size_t i) {
   if (element.is_object() && element.contains("frame")) element["frame"] = i;
   if (element.is_object() && element.contains("camera")) element["camera"] = "camera_" + std::to_string(i);
+  if (element.is_string() && i > 0) element = element.get<std::string>() + std::to_string(i);
   return element;
+}
+
+/// The same for the `i`th of some members: no light is in two groups.
+ParsedJson member_of(const ParsedJson& value, std::size_t i) {
+  return value.is_array() && value[0].is_string() ? ParsedJson::array({copy_of(value[0], i)}) : value;
 }
 
 class SchemaWalk {
@@ -223,6 +248,7 @@ class SchemaWalk {
       refuse(build, std::string(schema["maxLength"].get<std::size_t>() + 1, 'a'), at, "bad_name");
     }
     if (schema.contains("pattern")) refuse(build, "bell\a", at, "bad_name");
+    if (schema.contains("minLength")) refuse(build, "", at, "bad_name");
   }
 
   void visit_array(const ParsedJson& schema, const Build& build, const std::string& at) {
@@ -245,6 +271,7 @@ class SchemaWalk {
     };
     if (schema.value("uniqueItems", false)) {
       refuse(build, {item, item}, at, "duplicate_value");
+      if (schema["items"].value("type", "") == "string") accept(build, some(most), at);
       refuse(build, some(most + 1), at, "wrong_length");
     } else {
       accept(build, some(most), at);
@@ -310,16 +337,18 @@ class SchemaWalk {
     const ParsedJson value = example(schema["additionalProperties"]);
     const std::size_t most = schema["maxProperties"];
     ParsedJson members;
-    for (std::size_t i = 0; i < most; ++i) members["name_" + std::to_string(i)] = value;
+    for (std::size_t i = 0; i < most; ++i) members["name_" + std::to_string(i)] = member_of(value, i);
     accept(build, members, at);
     members["one_more"] = value;
     refuse(build, members, at, "too_many");
+    if (schema.contains("minProperties")) refuse(build, ParsedJson::object(), at, "missing");
     refuse(build, 7, at, "wrong_type");
 
     const ParsedJson& names = schema["propertyNames"];
     refuse(build, {{"", value}}, at, "bad_name");
     refuse(build, {{"bell\a", value}}, at, "bad_name");
-    const std::size_t longest = names.value("maxLength", std::size_t{64});  // the cameras' pattern says 64
+    const std::size_t longest =
+        names.value("maxLength", std::size_t{64});  // of file names the pattern says 64
     accept(build, {{std::string(longest, 'a'), value}}, at);
     refuse(build, {{std::string(longest + 1, 'a'), value}}, at, "bad_name");
 
@@ -346,6 +375,7 @@ TEST(JobSchema, EveryExampleAndPresetStatedInItIsTheParsers) {
   for (const auto& [name, preset] : {std::pair("draft", Preset::draft), std::pair("high", Preset::high)}) {
     const LightingOptions options = lighting_preset(preset), standard = lighting_preset(Preset::standard);
     std::string differences = std::string(name) + " - line_count " + std::to_string(options.line_count) +
+                              ", moving_line_count " + std::to_string(options.moving_line_count) +
                               ", samples_per_light " + std::to_string(options.samples_per_light) +
                               ", patch_edge_m " + ParsedJson(options.patch_edge_m).dump() +
                               ", estimate_line_count " + std::to_string(options.estimate_line_count);

@@ -1,45 +1,20 @@
-// Lighting options and images.
+// Images.
 #include <algorithm>
 #include <array>
 
 #include "api/json/job_sections.h"
+#include "api/json/take_fields.h"
 #include "api/nearest_name.h"
 
 namespace api {
 namespace {
 
-constexpr std::array kPresets{Named<Preset>{"draft", Preset::draft},
-                              Named<Preset>{"standard", Preset::standard},
-                              Named<Preset>{"high", Preset::high}};
-constexpr std::array kDirect{Named<DirectLight>{"apart", DirectLight::apart},
-                             Named<DirectLight>{"pure", DirectLight::pure}};
 constexpr std::array kToneMaps{Named<ToneMap>{"filmic", ToneMap::filmic},
                                Named<ToneMap>{"clip", ToneMap::clip}};
 constexpr std::array<std::string_view, 2> kFormats{"png", "exr"};
 
-constexpr std::uint64_t kSeedMax = (1ull << 53) - 1;
-constexpr Range kPatchEdge{1e-4, 1e4};
-constexpr Range kEstimatePatchEdge{1e-3, 1e4};
-constexpr Range kTolerance{.lowest = 0, .highest = 1, .lowest_excluded = true};
-constexpr Range kEpsilon{.lowest = 0, .highest = 1e9, .lowest_excluded = true};
 constexpr Range kStops{-32, 32};
 constexpr std::size_t kAnyNameBytes = 1u << 10;
-
-template <class Enum, std::size_t n>
-void take_named(const Node& object, std::string_view name, const std::array<Named<Enum>, n>& table,
-                Enum& value) {
-  if (const auto field = member(object, name)) take(one_of(*field, table), value);
-}
-
-template <class T>
-void take_whole(const Node& object, std::string_view name, std::uint64_t lowest, std::uint64_t highest,
-                T& value) {
-  if (const auto field = member(object, name)) take(whole(*field, lowest, highest), value);
-}
-
-void take_number(const Node& object, std::string_view name, const Range& range, double& value) {
-  if (const auto field = member(object, name)) take(number(*field, range), value);
-}
 
 void read_formats(const Node& node, ImageOptions& image) {
   if (!is_array_of(node, 1, kFormats.size())) return;
@@ -94,26 +69,6 @@ ImageOptions read_image(const Node& node, const std::map<std::string, Camera>& c
 }
 
 }  // namespace
-
-LightingOptions read_lighting(const Node& node) {
-  LightingOptions options;
-  if (!is_object_of(node, {"preset", "mode", "lines", "line_count", "samples_per_light", "patch_edge_m",
-                           "estimate_patch_edge_m", "estimate_line_count", "tolerance", "epsilon", "seed"}))
-    return options;
-  take_named(node, "preset", kPresets, options.preset);
-  options = lighting_preset(options.preset);  // first, so that every field given beside it wins
-  take_named(node, "mode", kLightingModes, options.mode);
-  take_named(node, "lines", kDirect, options.direct);
-  take_whole(node, "line_count", 1'000, 1'000'000'000, options.line_count);
-  take_whole(node, "samples_per_light", 1, 1024, options.samples_per_light);
-  take_number(node, "patch_edge_m", kPatchEdge, options.patch_edge_m);
-  take_number(node, "estimate_patch_edge_m", kEstimatePatchEdge, options.estimate_patch_edge_m);
-  take_whole(node, "estimate_line_count", 1'000, 100'000'000, options.estimate_line_count);
-  take_number(node, "tolerance", kTolerance, options.tolerance);
-  take_number(node, "epsilon", kEpsilon, options.epsilon);
-  take_whole(node, "seed", 0, kSeedMax, options.seed);
-  return options;
-}
 
 std::vector<ImageOptions> read_images(const Node& node, const std::map<std::string, Camera>& cameras) {
   std::vector<ImageOptions> images;
