@@ -52,6 +52,7 @@ struct Patches {
   std::vector<Facet> facets;
   std::vector<std::uint32_t> facet_of;  ///< [patch]
   std::vector<float> area_m2;           ///< [patch]; one side, object space
+  std::vector<Rgb> texture_reflectance;  ///< [patch]; empty: no facet shows a texture. Set after meshing
   std::uint64_t dropped_facets = 0;     ///< too thin to have an area; nothing sees them
   std::uint32_t count() const { return static_cast<std::uint32_t>(facet_of.size()); }
 
