@@ -11,37 +11,93 @@ std::uint32_t index_in(float x, std::uint32_t n) {
   return scaled <= 0 ? 0 : std::min(static_cast<std::uint32_t>(scaled), n - 1);
 }
 
-std::uint32_t triangle_cell_at(std::uint32_t n, float u, float v) {
+/// A cell of a triangle that is cut into n rows.
+struct TriangleCell {
+  std::uint32_t column = 0, row = 0;
+  bool inverted = false;
+
+  std::uint32_t number(std::uint32_t n) const {
+    return row * (2 * n - row) + 2 * column + (inverted ? 1 : 0);
+  }
+};
+
+TriangleCell triangle_cell_at(std::uint32_t n, float u, float v) {
   const std::uint32_t row = index_in(v, n);
   const std::uint32_t column = std::min(index_in(u, n), n - 1 - row);
   const float in_cell = (u + v) * static_cast<float>(n) - static_cast<float>(column + row);
-  const bool inverted = in_cell > 1.0f && column + row + 1 < n;
-  return row * (2 * n - row) + 2 * column + (inverted ? 1 : 0);
+  return {column, row, in_cell > 1.0f && column + row + 1 < n};
 }
 
-CellCorners triangle_cell_corners(std::uint32_t n, std::uint32_t cell) {
+TriangleCell triangle_cell_numbered(std::uint32_t n, std::uint32_t cell) {
   std::uint32_t row = 0;
   while ((row + 1) * (2 * n - row - 1) <= cell) ++row;
   const std::uint32_t in_row = cell - row * (2 * n - row);
+  return {in_row / 2, row, in_row % 2 == 1};
+}
+
+CellCorners triangle_cell_corners(std::uint32_t n, std::uint32_t cell) {
+  const TriangleCell at = triangle_cell_numbered(n, cell);
   const float step = 1.0f / static_cast<float>(n);
-  const float u = static_cast<float>(in_row / 2) * step, v = static_cast<float>(row) * step;
-  if (in_row % 2 == 0) return {3, {u, u + step, u, 0}, {v, v, v + step, 0}};
+  const float u = static_cast<float>(at.column) * step, v = static_cast<float>(at.row) * step;
+  if (!at.inverted) return {3, {u, u + step, u, 0}, {v, v, v + step, 0}};
   return {3, {u + step, u + step, u, 0}, {v, v + step, v + step, 0}};
+}
+
+/// The leaf that holds (u, v): of the lattice cell there, whose grid cell is a division by kLatticeParts.
+std::uint32_t leaf_at(const Facet& facet, float u, float v) {
+  constexpr std::uint32_t n = kLatticeParts;
+  if (!facet.is_triangle) {
+    const std::uint32_t i = index_in(u, facet.grid_u * n), j = index_in(v, facet.grid_v * n);
+    return facet.trees[j / n * facet.grid_u + i / n].leaf_at(square_slot(i % n, j % n));
+  }
+  const TriangleCell at = triangle_cell_at(facet.grid_u * n, u, v);
+  const std::uint32_t i = at.column % n, j = at.row % n;
+  const bool inverted = i + j + (at.inverted ? 1 : 0) >= n;
+  const std::uint32_t slot =
+      inverted ? triangle_slot(n - 1 - i, n - 1 - j, !at.inverted) : triangle_slot(i, j, at.inverted);
+  return facet.trees[TriangleCell{at.column / n, at.row / n, inverted}.number(facet.grid_u)].leaf_at(slot);
 }
 
 }  // namespace
 
 std::uint32_t cell_at(const Facet& facet, float u, float v) {
-  if (facet.is_triangle) return triangle_cell_at(facet.grid_u, u, v);
+  if (!facet.trees.empty()) return leaf_at(facet, u, v);
+  if (facet.is_triangle) return triangle_cell_at(facet.grid_u, u, v).number(facet.grid_u);
   return index_in(v, facet.grid_v) * facet.grid_u + index_in(u, facet.grid_u);
 }
 
+LeafCorners leaf_corners(const Facet& facet, std::uint32_t grid_cell, Leaf leaf) {
+  constexpr std::uint32_t n = kLatticeParts;
+  if (!facet.is_triangle)
+    return square_leaf_corners({grid_cell % facet.grid_u * n, grid_cell / facet.grid_u * n}, leaf);
+  const TriangleCell at = triangle_cell_numbered(facet.grid_u, grid_cell);
+  return triangle_leaf_corners({at.column * n, at.row * n}, at.inverted, leaf);
+}
+
+LeafCorners leaf_corners(const Facet& facet, std::uint32_t cell) {
+  const auto after =
+      std::upper_bound(facet.trees.begin(), facet.trees.end(), cell,
+                       [](std::uint32_t k, const CellTree& tree) { return k < tree.first_leaf; });
+  const auto tree = std::prev(after);
+  return leaf_corners(facet, static_cast<std::uint32_t>(tree - facet.trees.begin()),
+                      leaf_of(*tree, cell - tree->first_leaf));
+}
+
 CellCorners cell_corners(const Facet& facet, std::uint32_t cell) {
-  if (facet.is_triangle) return triangle_cell_corners(facet.grid_u, cell);
-  const std::uint32_t i = cell % facet.grid_u, j = cell / facet.grid_u;
   const auto at = [](std::uint32_t k, std::uint32_t n) {
     return static_cast<float>(k) / static_cast<float>(n);
   };
+  if (!facet.trees.empty()) {
+    const LeafCorners leaf = leaf_corners(facet, cell);
+    CellCorners corners{leaf.count, {}, {}};
+    for (std::uint32_t c = 0; c < leaf.count; ++c) {
+      corners.u[c] = at(leaf.at[c].i, facet.grid_u * kLatticeParts);
+      corners.v[c] = at(leaf.at[c].j, facet.grid_v * kLatticeParts);
+    }
+    return corners;
+  }
+  if (facet.is_triangle) return triangle_cell_corners(facet.grid_u, cell);
+  const std::uint32_t i = cell % facet.grid_u, j = cell / facet.grid_u;
   const float u0 = at(i, facet.grid_u), u1 = at(i + 1, facet.grid_u);
   const float v0 = at(j, facet.grid_v), v1 = at(j + 1, facet.grid_v);
   return {4, {u0, u1, u1, u0}, {v0, v0, v1, v1}};

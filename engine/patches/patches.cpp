@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "engine/patches/ear_clipping.h"
 
@@ -23,8 +24,26 @@ bool is_parallelogram(std::span<const Vec3> corners) {
   return length(gap) <= 1e-5f * (length(corners[2] - corners[0]) + length(corners[3] - corners[1]));
 }
 
+/// How long a facet is along u and v  [m]; a triangle, all of whose edges are cut alike, as its longest edge.
+std::pair<float, float> edges_of(const Facet& facet) {
+  if (facet.is_triangle) {
+    const float longest =
+        std::max({length(facet.edge_u), length(facet.edge_v), length(facet.edge_v - facet.edge_u)});
+    return {longest, longest};
+  }
+  return {length(facet.edge_u), length(facet.edge_v)};
+}
+
+/// What the edges of `facet` are cut by.
+double cut_edge_m(const Facet& facet, const MeshOptions& options) {
+  if (options.layout == api::PatchLayout::uniform) return options.patch_edge_m;
+  const auto [u, v] = edges_of(facet);
+  const double most = facet.is_triangle ? kCoarseEdge * options.patch_edge_m : 2.0 * std::min(u, v);
+  return std::clamp(most, options.patch_edge_m, kCoarseEdge * options.patch_edge_m);
+}
+
 /// `corners`: 3, or the 4 of a parallelogram, in order around it.
-Facet facet_at(std::span<const Vec3> corners, double patch_edge_m) {
+Facet facet_at(std::span<const Vec3> corners, const MeshOptions& options) {
   const bool is_triangle = corners.size() == 3;
   const Vec3 edge_u = corners[1] - corners[0], edge_v = corners.back() - corners[0];
   Facet facet;
@@ -36,13 +55,10 @@ Facet facet_at(std::span<const Vec3> corners, double patch_edge_m) {
   const Vec3 doubled = cross(edge_u, edge_v);
   facet.area_m2 = (is_triangle ? 0.5f : 1.0f) * length(doubled);
   if (facet.area_m2 > 0) facet.normal = normalized(doubled);
-  if (is_triangle) {
-    const float longest = std::max({length(edge_u), length(edge_v), length(edge_v - edge_u)});
-    facet.grid_u = facet.grid_v = parts_of(longest, patch_edge_m);
-  } else {
-    facet.grid_u = parts_of(length(edge_u), patch_edge_m);
-    facet.grid_v = parts_of(length(edge_v), patch_edge_m);
-  }
+  const double cut_m = cut_edge_m(facet, options);
+  const auto [u, v] = edges_of(facet);
+  facet.grid_u = parts_of(u, cut_m);
+  facet.grid_v = parts_of(v, cut_m);
   return facet;
 }
 
@@ -61,21 +77,21 @@ bool append(Patches& patches, Facet facet) {
   const auto index = static_cast<std::uint32_t>(patches.facets.size());
   patches.facet_of.resize(total, index);
   patches.area_m2.resize(total, facet.area_m2 / static_cast<float>(cells));
-  patches.facets.push_back(facet);
+  patches.facets.push_back(std::move(facet));
   return true;
 }
 
-std::vector<Facet> facets_of(std::span<const Vec3> corners, double patch_edge_m) {
-  if (is_parallelogram(corners)) return {facet_at(corners, patch_edge_m)};
+std::vector<Facet> facets_of(std::span<const Vec3> corners, const MeshOptions& options) {
+  if (is_parallelogram(corners)) return {facet_at(corners, options)};
   std::vector<Facet> facets;
   for (const auto& [a, b, c] : clip_ears(corners))
-    facets.push_back(facet_at(std::array{corners[a], corners[b], corners[c]}, patch_edge_m));
+    facets.push_back(facet_at(std::array{corners[a], corners[b], corners[c]}, options));
   return facets;
 }
 
 /// Calls `use(facet)` for every facet that has an area until it answers false. The number of those without.
 template <class Use>
-std::uint64_t for_each_facet(const Scene& scene, double patch_edge_m, Use use) {
+std::uint64_t for_each_facet(const Scene& scene, const MeshOptions& options, Use use) {
   std::uint64_t dropped = 0;
   std::vector<Vec3> corners;
   for (std::uint32_t p = 0; p < scene.polygons.size(); ++p) {
@@ -83,7 +99,7 @@ std::uint64_t for_each_facet(const Scene& scene, double patch_edge_m, Use use) {
     corners.clear();
     for (std::uint32_t c = 0; c < polygon.corner_count; ++c)
       corners.push_back(scene.vertices[scene.corners[polygon.first_corner + c]]);
-    for (Facet& facet : facets_of(corners, patch_edge_m)) {
+    for (Facet& facet : facets_of(corners, options)) {
       facet.object = polygon.object;
       facet.material = polygon.material;
       facet.polygon = p;
@@ -101,12 +117,34 @@ api::Error without_area() {
   return {api::Fault::invalid_request, "no polygon of the scene has an area"};
 }
 
+/// Sums of 1e7 polygons of 1e12 cells would overflow.
+constexpr std::uint64_t kCountedMax = 1'000'000'000'000'000;
+
+/// Counts first_leaf of every tree; an empty list where none of them is quartered.
+void number_leaves(Facet& facet) {
+  std::uint32_t leaves = 0;
+  for (CellTree& tree : facet.trees) {
+    tree.first_leaf = leaves;
+    leaves += tree.leaf_count();
+  }
+  if (leaves == facet.trees.size()) facet.trees.clear();
+}
+
+/// The areas of the cells of a facet, in order.
+void append_areas(const Facet& facet, std::vector<float>& area_m2) {
+  const float of_grid_cell = facet.area_m2 / static_cast<float>(facet.grid_cells());
+  if (facet.trees.empty()) area_m2.insert(area_m2.end(), facet.grid_cells(), of_grid_cell);
+  for (const CellTree& tree : facet.trees)
+    for (std::uint32_t k = 0; k < tree.leaf_count(); ++k)
+      area_m2.push_back(of_grid_cell * static_cast<float>(leaf_of(tree, k).slots) / kCellTreeSlots);
+}
+
 }  // namespace
 
-api::Result<Patches> mesh_into_patches(const Scene& scene, double patch_edge_m) {
+api::Result<Patches> mesh_into_patches(const Scene& scene, const MeshOptions& options) {
   Patches patches;
   bool fits = true;
-  patches.dropped_facets = for_each_facet(scene, patch_edge_m, [&](const Facet& facet) {
+  patches.dropped_facets = for_each_facet(scene, options, [&](const Facet& facet) {
     fits = append(patches, facet);
     return fits;
   });
@@ -118,16 +156,47 @@ api::Result<Patches> mesh_into_patches(const Scene& scene, double patch_edge_m) 
   return patches;
 }
 
-api::Result<PatchCount> count_patches(const Scene& scene, double patch_edge_m) {
-  constexpr std::uint64_t kCountedMax = 1'000'000'000'000'000;  // 1e7 polygons of 1e12 cells would overflow
+api::Result<Patches> mesh_into_patches(const Scene& scene, double patch_edge_m) {
+  return mesh_into_patches(scene, MeshOptions{patch_edge_m, api::PatchLayout::uniform});
+}
+
+api::Result<PatchCount> count_patches(const Scene& scene, const MeshOptions& options) {
   PatchCount count;
-  count.dropped_facets = for_each_facet(scene, patch_edge_m, [&](const Facet& facet) {
-    const std::uint64_t cells = std::uint64_t{facet.grid_u} * facet.grid_v;
-    count.patches = std::min(kCountedMax, count.patches + cells * (facet.both_sides ? 2 : 1));
+  const bool adaptive = options.layout == api::PatchLayout::adaptive;
+  count.dropped_facets = for_each_facet(scene, options, [&](const Facet& facet) {
+    const std::uint64_t cells = std::uint64_t{facet.grid_u} * facet.grid_v * (facet.both_sides ? 2 : 1);
+    const std::uint32_t levels = adaptive ? levels_of(facet, options.patch_edge_m) : 0;
+    count.patches = std::min(kCountedMax, count.patches + cells);
+    count.finest = std::min(kCountedMax, count.finest + (cells << 2 * levels));
     return true;
   });
   if (count.patches == 0) return without_area();
   return count;
+}
+
+api::Result<PatchCount> count_patches(const Scene& scene, double patch_edge_m) {
+  return count_patches(scene, MeshOptions{patch_edge_m, api::PatchLayout::uniform});
+}
+
+std::uint32_t levels_of(const Facet& facet, double patch_edge_m) {
+  const auto [u, v] = edges_of(facet);
+  const double edge_m =
+      std::max(static_cast<double>(u) / facet.grid_u, static_cast<double>(v) / facet.grid_v);
+  std::uint32_t levels = 0;
+  while (levels < kCellTreeLevels && edge_m > kFineEdge * patch_edge_m * (1 << levels) * (1 + 1e-6)) ++levels;
+  return levels;
+}
+
+void number_patches(Patches& patches) {
+  patches.facet_of.clear();
+  patches.area_m2.clear();
+  for (std::uint32_t f = 0; f < patches.facets.size(); ++f) {
+    Facet& facet = patches.facets[f];
+    number_leaves(facet);
+    facet.first_patch = patches.count();
+    patches.facet_of.resize(patches.count() + facet.patch_count(), f);
+    for (int side = 0; side < (facet.both_sides ? 2 : 1); ++side) append_areas(facet, patches.area_m2);
+  }
 }
 
 }  // namespace engine
