@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "api/result.h"
 #include "engine/base/progress.h"
@@ -12,25 +14,68 @@
 namespace engine {
 
 struct DirectOptions {
-  std::uint32_t samples_per_light = 16;  ///< shadow rays per patch and light  [rays] 1 .. 1024
+  std::uint32_t samples_per_light = 16;  ///< shadow rays per patch and light, in all  [rays] 1 .. 1024
+  /// Independent sets that the samples are dealt out to, each with max(1, samples / replicates) rays; their
+  /// scatter is the variance. 1: none is known.  1 .. 1024
+  std::uint32_t replicates = 1;
   std::uint64_t seed = 1;
 };
 
-/// Irradiance of every patch from the emitting facets, in each of `frames` (increasing)  [W/m^2],
-/// [patch][position in `frames`].
+/// [patch][position in `frames`]
+struct DirectLight {
+  PatchSeries irradiance_w_m2;  ///< mean of the replicates
+  /// Of that mean, per channel: sum_r (x_r - mean)^2 / (R (R - 1)), with x_r all the light of a patch in
+  /// replicate r; without values where there is one replicate only  [(W/m^2)^2]
+  PatchSeries variance;
+  /// [patch]: of the scene without anything that moves: patches at rest lit by lights at rest past occluders
+  /// at rest, each light as bright as in the mean of all frames of the animation; 0 for patches that move. It
+  /// does not depend on `frames`.  [W/m^2]
+  std::vector<Rgb> at_rest_w_m2;
+  std::uint64_t shadow_rays = 0;  ///< traced for it, each once for all frames that share it
+};
+
+/// Lights patches in each of `frames` (increasing; none: only what is at rest).
 ///
 /// Per patch and light, over `samples_per_light` points x of the patch and y of the light:
 ///
 ///     H = E mean_s F(x_s) V(x_s, y_s)
 ///
 /// F is the closed form factor from x to the light, so that an unobstructed light has no noise but that of x;
-/// V is a shadow ray, a hair off the surfaces at both ends (clearance_m). Static surfaces answer once for all
-/// frames, moving ones with one query that says in which frames they block. The same points in every frame:
-/// what noise there is does not flicker. y is chosen nearly in proportion to its contribution (sample_light).
-/// Patches of an object that is not there in a frame get 0.
-/// Error: stopped.
-api::Result<PatchSeries> direct_light(const Patches& patches, const Animation& animation,
-                                      const StaticRays& static_rays, std::span<const FrameIndex> frames,
-                                      const DirectOptions& options, const Progress& progress);
+/// of a light without surface it is cos / r^2, or cos (arrival.h). V is a shadow ray, a hair off the surfaces
+/// at both ends (clearance_m). Static surfaces answer once for all frames, moving ones with one query that
+/// says in which frames they block. The same points in every frame: what noise there is does not flicker. y
+/// is chosen nearly in proportion to its contribution (sample_light). Patches of an object that is not there
+/// in a frame get 0.
+///
+/// `emission` says what shines: all of animation.emission, or a part of it. The arguments outlive the
+/// lighter.
+class DirectLighter {
+ public:
+  DirectLighter(const Patches& patches, const Animation& animation, const Emission& emission,
+                const StaticRays& static_rays, std::span<const FrameIndex> frames,
+                const DirectOptions& options);
+  ~DirectLighter();
+  DirectLighter(const DirectLighter&) = delete;
+  DirectLighter& operator=(const DirectLighter&) = delete;
+
+  /// Room for the result, all zero.
+  DirectLight empty() const;
+
+  /// Lights patches [first, end) in all frames; writes only their rows, and adds to `shadow_rays`. What a
+  /// patch gets does not depend on the range it is lit in. With more than kWindowMax frames every call builds
+  /// the windows anew: worth it for calls that take seconds. One call at a time.
+  /// Error: stopped; then the rows of the range are unfinished.
+  api::Status light(PatchId first, PatchId end, DirectLight& into, const Progress& progress) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
+
+/// All patches at once. Error: stopped.
+api::Result<DirectLight> direct_light(const Patches& patches, const Animation& animation,
+                                      const Emission& emission, const StaticRays& static_rays,
+                                      std::span<const FrameIndex> frames, const DirectOptions& options,
+                                      const Progress& progress);
 
 }  // namespace engine

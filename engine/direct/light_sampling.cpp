@@ -69,10 +69,10 @@ struct Piece {
 
 }  // namespace
 
-std::vector<Light> find_lights(const Patches& patches, const Animation& animation) {
+std::vector<Light> find_lights(const Patches& patches, const Emission& emission) {
   std::vector<Light> lights;
   for (std::uint32_t f = 0; f < patches.facets.size(); ++f)
-    if (animation.emission.ever_emits(patches.facets[f].material)) lights.push_back({f});
+    if (emission.ever_emits(patches.facets[f].material)) lights.push_back({f});
   return lights;
 }
 

@@ -14,7 +14,7 @@ struct Light {
   std::uint32_t facet = 0;
 };
 
-std::vector<Light> find_lights(const Patches& patches, const Animation& animation);
+std::vector<Light> find_lights(const Patches& patches, const Emission& emission);
 
 /// A light where its object puts it.
 struct PlacedLight {

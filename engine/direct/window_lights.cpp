@@ -1,39 +1,147 @@
 #include "engine/direct/window_lights.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace engine {
 namespace {
 
-SlotMask lit_slots(const Animation& animation, std::uint32_t material, std::span<const FrameIndex> frames) {
-  SlotMask lit;
-  for (std::uint32_t slot = 0; slot < frames.size(); ++slot)
-    if (max_channel(animation.emission.exitance(material, frames[slot])) > 0) lit.set(slot, slot);
-  return lit;
+/// Facets have the lower half of the stream numbers.
+constexpr std::uint32_t kSourceStreams = 0x80000000u;
+
+Rgb mean_of(const std::vector<Rgb>& series) {
+  double r = 0, g = 0, b = 0;
+  for (const Rgb& value : series) {
+    r += value.r;
+    g += value.g;
+    b += value.b;
+  }
+  const double n = std::max<double>(1, static_cast<double>(series.size()));
+  return {static_cast<float>(r / n), static_cast<float>(g / n), static_cast<float>(b / n)};
 }
+
+/// `series`: [frame], or one.
+Brightness brightness_of(const std::vector<Rgb>& series, std::span<const FrameIndex> frames) {
+  Brightness brightness;
+  for (const Rgb& value : series) brightness.peak = std::max(brightness.peak, max_channel(value));
+  brightness.mean = mean_of(series);
+  for (std::uint32_t slot = 0; slot < frames.size(); ++slot) {
+    brightness.of_slot.push_back(in_frame(series, frames[slot]));
+    if (max_channel(brightness.of_slot[slot]) > 0) brightness.lit.set(slot, slot);
+  }
+  return brightness;
+}
+
+LightPose facet_pose(const Facet& facet, const Pose& pose, Slots slots) {
+  const PlacedFacet placed = place(facet, pose);
+  LightPose at;
+  at.slots = slots;
+  at.roughness = roughness_of(placed, facet.is_triangle);
+  at.facet = place_light(facet, placed);
+  return at;
+}
+
+LightPose source_pose(const SourceMotion& source, FrameIndex frame, Slots slots) {
+  LightPose at;
+  at.slots = slots;
+  at.source = &source;
+  at.position = source.type == api::LightType::directional ? Vec3{} : in_frame(source.position, frame);
+  at.direction = source.type == api::LightType::point ? Vec3{} : in_frame(source.direction, frame);
+  const Vec3 p = at.position;
+  at.roughness.largest_coordinate_m = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  return at;
+}
+
+bool is_same_place(const LightPose& a, const LightPose& b) {
+  return a.position == b.position && a.direction == b.direction;
+}
+
+class Placing {
+ public:
+  Placing(const Patches& patches, const Animation& animation, const Emission& emission,
+          std::span<const FrameIndex> frames)
+      : patches_(patches), animation_(animation), emission_(emission), frames_(frames) {
+    for (const auto& series : emission.exitance_w_m2)
+      placed_.brightness.push_back(brightness_of(series, frames));
+    for (const SourceMotion& source : emission.sources)
+      placed_.brightness.push_back(brightness_of(source.intensity, frames));
+  }
+
+  WindowLights place_all() && {
+    const std::vector<Light> facets = find_lights(patches_, emission_);
+    for (const bool rest : {true, false}) {
+      for (const Light& light : facets)
+        if (rest == motion_of(light).is_static(animation_.frame_count)) add_facet(light.facet, rest);
+      for (std::uint32_t s = 0; s < emission_.sources.size(); ++s)
+        if (rest == emission_.sources[s].is_static()) add_source(s, rest);
+      if (rest) placed_.static_count = placed_.lights.size();
+    }
+    return std::move(placed_);
+  }
+
+ private:
+  const ObjectMotion& motion_of(const Light& light) const {
+    return animation_.objects[patches_.facets[light.facet].object];
+  }
+  Slots all_slots() const { return {0, static_cast<std::uint32_t>(frames_.size())}; }
+
+  void add_facet(std::uint32_t number, bool rests) {
+    const Facet& facet = patches_.facets[number];
+    WindowLight light{number, number, facet.material, rests, {}};
+    const ObjectMotion& motion = animation_.objects[facet.object];
+    if (rests) {
+      light.poses.push_back(facet_pose(facet, motion.spans[0].pose, all_slots()));
+    } else {
+      const SlotMask& lit = placed_.brightness[facet.material].lit;
+      for (const PlacedRange& range : placed_ranges(motion, frames_)) {
+        const Slots slots = narrow_to_lit(lit, {range.first_slot, range.last_slot + 1});
+        if (!slots.empty()) light.poses.push_back(facet_pose(facet, *range.pose, slots));
+      }
+    }
+    if (!light.poses.empty()) placed_.lights.push_back(std::move(light));
+  }
+
+  void add_source(std::uint32_t number, bool rests) {
+    const SourceMotion& source = emission_.sources[number];
+    const auto brightness = static_cast<std::uint32_t>(emission_.exitance_w_m2.size() + number);
+    if (!(placed_.brightness[brightness].peak > 0)) return;
+    WindowLight light{kNoFacet, kSourceStreams | number, brightness, rests, {}};
+    if (rests)
+      light.poses.push_back(source_pose(source, 0, all_slots()));
+    else
+      add_moving_poses(source, placed_.brightness[brightness].lit, light.poses);
+    if (!light.poses.empty()) placed_.lights.push_back(std::move(light));
+  }
+
+  void add_moving_poses(const SourceMotion& source, const SlotMask& lit, std::vector<LightPose>& poses) {
+    for (std::uint32_t slot = 0; slot < frames_.size(); ++slot) {
+      if (!lit.test(slot)) continue;
+      const LightPose at = source_pose(source, frames_[slot], {slot, slot + 1});
+      if (!poses.empty() && poses.back().slots.end == slot && is_same_place(poses.back(), at))
+        poses.back().slots.end = slot + 1;
+      else
+        poses.push_back(at);
+    }
+  }
+
+  const Patches& patches_;
+  const Animation& animation_;
+  const Emission& emission_;
+  const std::span<const FrameIndex> frames_;
+  WindowLights placed_;
+};
 
 }  // namespace
 
-bool narrow_to_lit(const SlotMask& lit, std::uint32_t& first, std::uint32_t& last) {
-  while (first <= last && !lit.test(first)) ++first;
-  while (first < last && !lit.test(last)) --last;
-  return first <= last;
+Slots narrow_to_lit(const SlotMask& lit, Slots slots) {
+  while (!slots.empty() && !lit.test(slots.begin)) ++slots.begin;
+  while (!slots.empty() && !lit.test(slots.end - 1)) --slots.end;
+  return slots;
 }
 
-std::vector<WindowLight> place_window_lights(const Patches& patches, const Animation& animation,
-                                             std::span<const FrameIndex> frames) {
-  std::vector<WindowLight> lights;
-  for (const Light& light : find_lights(patches, animation)) {
-    const Facet& facet = patches.facets[light.facet];
-    WindowLight placed{light.facet, facet.material, lit_slots(animation, facet.material, frames), {}};
-    for (PlacedRange range : placed_ranges(animation.objects[facet.object], frames)) {
-      if (!narrow_to_lit(placed.lit, range.first_slot, range.last_slot)) continue;
-      PlacedFacet at = place(facet, *range.pose);
-      at.first_slot = range.first_slot;
-      at.last_slot = range.last_slot;
-      placed.poses.push_back({place_light(facet, at), roughness_of(at, facet.is_triangle)});
-    }
-    if (!placed.poses.empty()) lights.push_back(std::move(placed));
-  }
-  return lights;
+WindowLights place_window_lights(const Patches& patches, const Animation& animation, const Emission& emission,
+                                 std::span<const FrameIndex> frames) {
+  return Placing(patches, animation, emission, frames).place_all();
 }
 
 }  // namespace engine

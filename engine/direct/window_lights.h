@@ -1,4 +1,4 @@
-// The lights of a window of frames, in the slots in which they shine.
+// The lights of a window of frames: where they are, and when they shine.
 #pragma once
 
 #include <span>
@@ -10,24 +10,59 @@
 
 namespace engine {
 
-/// A light where it is in slots [placed.first_slot, placed.last_slot], in the first and last of which it
-/// shines.
-struct LightPose : PlacedLight {
-  Roughness roughness;
+/// Slots [begin, end) of a window.
+struct Slots {
+  std::uint32_t begin = 0, end = 0;
+  bool empty() const { return begin >= end; }
 };
 
+/// The slots that both hold.
+inline Slots overlap(Slots a, Slots b) {
+  return {std::max(a.begin, b.begin), std::min(a.end, b.end)};
+}
+
+/// How bright lights are in the slots of a window: one for all facets of a material, one per source.
+struct Brightness {
+  std::vector<Rgb> of_slot;  ///< [slot]; facets: exitance [W/m^2], sources: see api::LightSource::intensity
+  SlotMask lit;              ///< the slots in which it is not zero
+  Rgb mean;                  ///< over all frames of the animation
+  float peak = 0;            ///< largest channel in any frame of the animation
+};
+
+/// A light where it is in some slots of the window: a facet, or a source.
+struct LightPose {
+  Slots slots;
+  Roughness roughness;
+  PlacedLight facet;                     ///< where `source` is null
+  const SourceMotion* source = nullptr;  ///< lives as long as the Emission
+  Vec3 position, direction;              ///< of a source
+};
+
+inline constexpr std::uint32_t kNoFacet = 0xffffffffu;
+
 struct WindowLight {
-  std::uint32_t facet = 0, material = 0;
-  SlotMask lit;  ///< the slots in which its exitance is not zero
+  std::uint32_t facet = kNoFacet;
+  std::uint32_t stream = 0;      ///< its number in every window: its random numbers follow from it
+  std::uint32_t brightness = 0;  ///< into WindowLights::brightness
+  /// Never moves: it has one pose, whatever the window. Its `slots` are all of them, lit or dark.
+  bool is_static = false;
   std::vector<LightPose> poses;
 };
 
-/// Those that shine in some slot of the window `frames` (1 .. kWindowMax, increasing); poses in which a light
-/// is off are left out.
-std::vector<WindowLight> place_window_lights(const Patches& patches, const Animation& animation,
-                                             std::span<const FrameIndex> frames);
+struct WindowLights {
+  std::vector<Brightness> brightness;
+  /// Lights that rest and shine in some frame of the animation, the same ones in the same order in every
+  /// window; then those that move and shine in a slot of this one, in which poses that are dark are left out.
+  std::vector<WindowLight> lights;
+  std::size_t static_count = 0;
+};
 
-/// Cuts dark slots off both ends of [first, last]. False where none is lit.
-bool narrow_to_lit(const SlotMask& lit, std::uint32_t& first, std::uint32_t& last);
+/// `emission`: what counts as a light; all of the animation's, or a part. `frames`: 0 .. kWindowMax,
+/// increasing.
+WindowLights place_window_lights(const Patches& patches, const Animation& animation, const Emission& emission,
+                                 std::span<const FrameIndex> frames);
+
+/// `slots` without the dark ones at both ends; empty where none is lit.
+Slots narrow_to_lit(const SlotMask& lit, Slots slots);
 
 }  // namespace engine

@@ -102,10 +102,10 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   PatchSeries direct;
   if (apart) {
     auto lit_directly =
-        direct_light(lit.patches, lit.animation, lit.static_rays, lit_frames,
-                     {options.samples_per_light, options.seed}, clock.begin(api::Stage::direct));
+        direct_light(lit.patches, lit.animation, lit.animation.emission, lit.static_rays, lit_frames,
+                     {options.samples_per_light, 1, options.seed}, clock.begin(api::Stage::direct));
     if (!lit_directly) return lit_directly.error();
-    direct = std::move(*lit_directly);
+    direct = std::move(lit_directly->irradiance_w_m2);
   }
 
   const Progress& solving = clock.begin(api::Stage::solve);

@@ -74,8 +74,10 @@ LitFrames light_frames(const ReadyScene& ready, const std::vector<engine::FrameI
   LitFrames lit;
   const bool apart = options.direct == api::DirectLight::apart;
   if (apart)
-    lit.direct = value_or_abort(engine::direct_light(ready.patches, ready.animation, ready.static_rays,
-                                                     frames, {options.samples_per_light, options.seed}, {}));
+    lit.direct = value_or_abort(engine::direct_light(ready.patches, ready.animation, ready.animation.emission,
+                                                     ready.static_rays, frames,
+                                                     {options.samples_per_light, 1, options.seed}, {}))
+                     .irradiance_w_m2;
   const engine::PatchSeries* direct = apart ? &lit.direct : nullptr;
   auto indirect = value_or_abort(
       engine::indirect_light(ready.lit, frames, direct, {options.line_count, options.seed}, {}));

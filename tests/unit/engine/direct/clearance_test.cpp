@@ -62,13 +62,13 @@ void park(Animation& animation) {
 
 /// By area, over the patches of material 0, in frame 0.
 double mean_irradiance(const World& world) {
-  const auto lit = direct_light(world.patches, world.animation, world.static_rays, std::vector<FrameIndex>{0},
-                                {kSamples, 1}, {});
+  const auto lit = direct_light(world.patches, world.animation, world.animation.emission, world.static_rays,
+                                std::vector<FrameIndex>{0}, {kSamples}, {});
   EXPECT_TRUE(lit);
   double sum = 0, area = 0;
   for (PatchId patch = 0; patch < world.patches.count(); ++patch) {
     if (world.patches.facets[world.patches.facet_of[patch]].material != 0) continue;
-    sum += double{world.patches.area_m2[patch]} * lit->at(patch, 0).r;
+    sum += double{world.patches.area_m2[patch]} * lit->irradiance_w_m2.at(patch, 0).r;
     area += world.patches.area_m2[patch];
   }
   return sum / area;
@@ -97,15 +97,16 @@ TEST(Clearance, TwoSquaresThatSeeOneAnotherDoNotShadeThemselves) {
           return apart;
         }());
         const auto frames = std::vector<FrameIndex>{0};
-        const auto shaded =
-            direct_light(world.patches, world.animation, world.static_rays, frames, {kSamples, 1}, {});
-        const auto clear = direct_light(world.patches, world.animation, nothing, frames, {kSamples, 1}, {});
+        const auto shaded = direct_light(world.patches, world.animation, world.animation.emission,
+                                         world.static_rays, frames, {kSamples}, {});
+        const auto clear = direct_light(world.patches, world.animation, world.animation.emission, nothing,
+                                        frames, {kSamples}, {});
         ASSERT_TRUE(shaded && clear);
         std::size_t differ = 0;
-        for (std::size_t k = 0; k < clear->values.size(); ++k)
-          differ += shaded->values[k] == clear->values[k] ? 0 : 1;
-        EXPECT_EQ(differ, 0u) << "of " << clear->values.size() << " scale " << scale << " at " << to.x
-                              << " turned " << degrees << (triangles ? " triangles" : " quads");
+        for (std::size_t k = 0; k < clear->irradiance_w_m2.values.size(); ++k)
+          differ += shaded->irradiance_w_m2.values[k] == clear->irradiance_w_m2.values[k] ? 0 : 1;
+        EXPECT_EQ(differ, 0u) << "of " << clear->irradiance_w_m2.values.size() << " scale " << scale << " at "
+                              << to.x << " turned " << degrees << (triangles ? " triangles" : " quads");
       }
 }
 
@@ -134,12 +135,12 @@ TEST(Clearance, ASheetCloseToALightHidesItWhateverIsParkedFarAway) {
       Animation animation = with_light(scene);
       park(animation);
       const World world(scene, animation, scale);
-      const auto lit = direct_light(world.patches, world.animation, world.static_rays,
-                                    std::vector<FrameIndex>{0}, {kSamples, 1}, {});
+      const auto lit = direct_light(world.patches, world.animation, world.animation.emission,
+                                    world.static_rays, std::vector<FrameIndex>{0}, {kSamples}, {});
       ASSERT_TRUE(lit);
       // What of the floor lies between the light and the sheet: a strip of 2e-4, at most as bright as the
       // light.
-      EXPECT_LE(lit->at(0, 0).r, 0.005) << scale << parked;
+      EXPECT_LE(lit->irradiance_w_m2.at(0, 0).r, 0.005) << scale << parked;
     }
 }
 
@@ -152,11 +153,14 @@ TEST(Clearance, WhatIsParkedFarAwayChangesNoBit) {
     park(animation);
     const World one(alone, with_light(alone), 0.25 * scale), two(beside, animation, 0.25 * scale);
     const auto frames = std::vector<FrameIndex>{0};
-    const auto a = direct_light(one.patches, one.animation, one.static_rays, frames, {8, 1}, {});
-    const auto b = direct_light(two.patches, two.animation, two.static_rays, frames, {8, 1}, {});
+    const auto a =
+        direct_light(one.patches, one.animation, one.animation.emission, one.static_rays, frames, {8}, {});
+    const auto b =
+        direct_light(two.patches, two.animation, two.animation.emission, two.static_rays, frames, {8}, {});
     ASSERT_TRUE(a && b);
     for (PatchId patch = 0; patch < one.patches.count(); ++patch)
-      ASSERT_EQ(a->at(patch, 0), b->at(patch, 0)) << patch << " scale " << scale;
+      ASSERT_EQ(a->irradiance_w_m2.at(patch, 0), b->irradiance_w_m2.at(patch, 0))
+          << patch << " scale " << scale;
   }
 }
 

@@ -50,9 +50,10 @@ void add_blocker(Scene& scene, float low, std::uint32_t object = 1) {
 }
 
 PatchSeries light_up(const World& world, std::vector<FrameIndex> frames, DirectOptions options = {}) {
-  auto direct = direct_light(world.patches, world.animation, world.static_rays, frames, options, Progress{});
+  auto direct = direct_light(world.patches, world.animation, world.animation.emission, world.static_rays,
+                             frames, options, Progress{});
   EXPECT_TRUE(direct);
-  return std::move(*direct);
+  return std::move(direct->irradiance_w_m2);
 }
 
 /// What of the light a point sees past a blocker whose edge is at x = low: its form factor.
@@ -80,7 +81,7 @@ double mean_visible_factor(float low) {
 TEST(DirectLight, AnUnblockedLightGivesExitanceTimesFormFactor) {
   const Scene scene = floor_and_light();
   const World world(scene, lit_from_above(scene, 1), 10);
-  const Rgb lit = light_up(world, {0}, {64, 1}).at(kFloor, 0);
+  const Rgb lit = light_up(world, {0}, {64}).at(kFloor, 0);
   const double factor = mean_visible_factor(9);
   EXPECT_GT(factor, 0.05);
   EXPECT_NEAR(lit.r, kExitance.r * factor, 5 * 0.05 * kExitance.r * factor / 8);
@@ -97,7 +98,7 @@ MeanAndError over_seeds(const World& world, std::uint32_t samples) {
   constexpr int kSeeds = 64;
   double sum = 0, squares = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const double lit = light_up(world, {0}, {samples, seed}).at(kFloor, 0).r;
+    const double lit = light_up(world, {0}, {samples, 1, seed}).at(kFloor, 0).r;
     sum += lit;
     squares += lit * lit;
   }
@@ -260,9 +261,9 @@ TEST(DirectLight, AFrameAloneIsTheFrameInAWindowBitForBit) {
 
 TEST(DirectLight, SequencesLongerThanAWindowGoOnInTheNext) {
   const World room = lit_room(140);
-  const PatchSeries all = light_up(room, room.all_frames(), {1, 1});
+  const PatchSeries all = light_up(room, room.all_frames(), {1});
   for (const FrameIndex frame : {127u, 128u, 139u}) {
-    const PatchSeries alone = light_up(room, {frame}, {1, 1});
+    const PatchSeries alone = light_up(room, {frame}, {1});
     for (PatchId patch = 0; patch < room.patches.count(); ++patch)
       ASSERT_EQ(alone.at(patch, 0), all.at(patch, frame)) << "patch " << patch << " frame " << frame;
   }
@@ -284,7 +285,8 @@ TEST(DirectLight, StopsWhenToldTo) {
   Progress progress;
   progress.stop_requested = [&] { return ++asked > 5; };
   const auto frames = room.all_frames();
-  const auto lit = direct_light(room.patches, room.animation, room.static_rays, frames, {8, 1}, progress);
+  const auto lit = direct_light(room.patches, room.animation, room.animation.emission, room.static_rays,
+                                frames, {8}, progress);
   ASSERT_FALSE(lit);
   EXPECT_EQ(lit.error().fault, api::Fault::stopped);
 }

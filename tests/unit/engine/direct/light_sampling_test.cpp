@@ -38,7 +38,7 @@ TEST(FindLights, AreTheFacetsWhoseMaterialEmitsInSomeFrame) {
   animation.emission.exitance_w_m2[1] = {{}, {}, {0, 0, 0.1f}};
   animation.emission.exitance_w_m2[2] = {{}, {}, {}};
   const auto patches = mesh_into_patches(scene, 1);
-  const auto lights = find_lights(*patches, animation);
+  const auto lights = find_lights(*patches, animation.emission);
   ASSERT_EQ(lights.size(), 1u);
   EXPECT_EQ(lights[0].facet, 1u);
 }

@@ -1,0 +1,84 @@
+#include "engine/direct/arrival.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/direct/form_factor.h"
+
+namespace engine {
+namespace {
+
+/// False where no point of the facet's plane can see the light's front.
+bool faces(const PlacedFacet& at, const PlacedLight& light) {
+  const auto polygon = light.polygon();
+  if (std::none_of(polygon.begin(), polygon.end(),
+                   [&](Vec3 corner) { return dot(at.normal, corner - at.origin) > 0; }))
+    return false;
+  const Vec3 corners[4] = {at.origin, at.origin + at.edge_u, at.origin + at.edge_v,
+                           at.origin + at.edge_u + at.edge_v};
+  return std::any_of(std::begin(corners), std::end(corners),
+                     [&](Vec3 corner) { return dot(light.placed.normal, corner - light.placed.origin) > 0; });
+}
+
+/// Share of a spot's intensity at the cosine `c` from its axis.
+float spot_share(const SourceMotion& spot, float c) {
+  const double width = spot.inner_cosine - spot.outer_cosine, beyond = c - spot.outer_cosine;
+  if (!(width > 0)) return beyond >= 0 ? 1 : 0;
+  const double t = std::clamp(beyond / width, 0.0, 1.0);
+  return static_cast<float>(t * t * (3 - 2 * t));
+}
+
+}  // namespace
+
+Arrivals::Arrivals(const Receiver& receiver, const LightPose& light, float reach_m)
+    : receiver_(receiver),
+      light_(light),
+      reach_m_(reach_m),
+      gap_m_(clearance_m(light.roughness, receiver.roughness)),
+      off_patch_(clearance_m(receiver.roughness, light.roughness) * receiver.placed.normal),
+      off_light_(gap_m_ * light.facet.placed.normal) {}
+
+bool Arrivals::possible() const {
+  if (!light_.source) return faces(receiver_.placed, light_.facet);
+  const Vec3 normal = receiver_.placed.normal;
+  if (light_.source->type == api::LightType::directional) return dot(normal, light_.direction) < 0;
+  return dot(normal, light_.position - receiver_.placed.origin) > 0;
+}
+
+Arrival Arrivals::draw(const Draw& numbers) const {
+  const Vec3 on_patch = receiver_.at(numbers.on_patch_a, numbers.on_patch_b);
+  return light_.source ? from_source(on_patch) : from_facet(on_patch, numbers);
+}
+
+Arrival Arrivals::from_facet(Vec3 on_patch, const Draw& numbers) const {
+  const PlacedLight& light = light_.facet;
+  const Vec3 normal = receiver_.placed.normal;
+  if (dot(light.placed.normal, on_patch - light.placed.origin) <= 0) return {};  // behind the light
+  const float factor = point_to_polygon_form_factor(on_patch, normal, light.polygon());
+  if (factor <= 0) return {};
+  const Vec3 on_light =
+      sample_light(light, on_patch, normal, numbers.on_light_a, numbers.on_light_b, numbers.piece);
+  const Vec3 start = on_patch + off_patch_, end = on_light + off_light_;
+  return {factor, {start, end - start, 0.0f, 1.0f}};
+}
+
+Arrival Arrivals::from_source(Vec3 on_patch) const {
+  const SourceMotion& source = *light_.source;
+  const Vec3 normal = receiver_.placed.normal;
+  const Vec3 start = on_patch + off_patch_;
+  if (source.type == api::LightType::directional) {
+    const float cosine = -dot(normal, light_.direction);
+    if (cosine <= 0) return {};
+    return {cosine, {start, -reach_m_ * light_.direction, 0.0f, 1.0f}};
+  }
+  const Vec3 apart = light_.position - on_patch;
+  const float height = dot(normal, apart), squared = dot(apart, apart);
+  if (height <= 0) return {};
+  const float distance = std::sqrt(squared);
+  float factor = height / (squared * distance);
+  if (source.type == api::LightType::spot)
+    factor *= spot_share(source, -dot(light_.direction, apart) / distance);
+  return {factor, {start, light_.position - start, 0.0f, std::max(0.5f, 1.0f - gap_m_ / distance)}};
+}
+
+}  // namespace engine
