@@ -5,23 +5,10 @@
 #include <cmath>
 #include <string>
 
+#include "tests/unit/api/refusals.h"
+
 namespace api {
 namespace {
-
-/// "code pointer" of every violation, in order; empty when the document is accepted.
-std::vector<std::string> refusals(std::string_view document) {
-  std::vector<std::string> list;
-  const auto request = parse_job_request(document);
-  if (request) return list;
-  for (const Violation& violation : request.error().violations) {
-    EXPECT_EQ(violation.file, "animation.json");
-    EXPECT_FALSE(violation.detail.empty());
-    list.push_back(violation.code + " " + violation.pointer);
-  }
-  return list;
-}
-
-using List = std::vector<std::string>;
 
 /// A document of 10 frames with one object "lamp".
 std::string with_object(const std::string& object) {
@@ -211,6 +198,19 @@ TEST(ParseJobRequest, ReadsMaterials) {
   EXPECT_EQ(materials.at("b").exitance_w_m2.interpolation, KeyInterpolation::step);
   EXPECT_EQ(materials.at("b").exitance_w_m2.keys, (std::vector<Track<Vec3>::Key>{{4, {2, 2, 2}}}));
   EXPECT_EQ(materials.at("c"), MaterialSettings{});
+}
+
+TEST(ParseJobRequest, ReflectanceMayBeKeyedAndEveryKeyIsBelowOne) {
+  const std::string material = R"({"frames":{"count":9},"materials":{"a":{"reflectance":{"keys":[)";
+  const auto request =
+      parse_job_request(material + R"({"frame":0,"value":0.25},{"frame":8,"value":[0,0.5,0.75]}]}}}})");
+  ASSERT_TRUE(request);
+  const Track<Vec3>& track = request->scene.materials.at("a").reflectance;
+  EXPECT_EQ(track.interpolation, KeyInterpolation::linear);
+  EXPECT_EQ(track.keys, (std::vector<Track<Vec3>::Key>{{0, {0.25, 0.25, 0.25}}, {8, {0, 0.5, 0.75}}}));
+  EXPECT_EQ(refusals(material + R"({"frame":0,"value":1},{"frame":8,"value":[0,0.5,-0.75]}]}}}})"),
+            (List{"out_of_range /materials/a/reflectance/keys/0/value",
+                  "out_of_range /materials/a/reflectance/keys/1/value/2"}));
 }
 
 TEST(ParseJobRequest, ReadsCamerasAndImages) {
