@@ -59,15 +59,19 @@ inline Rgb material_reflectance(const Scene& scene, const Animation& animation, 
 /// the entry "" of `request.scene.objects`, if there is one, moves Scene::objects[0].
 ///
 /// Poses: p -> T + pivot + R S (p - pivot), in metres. One matrix per frame replaces all of that (pivot too);
-/// frames after the last matrix keep it.
+/// frames after the last matrix keep it. A parent's pose is applied after an object's own, its parent's after
+/// that, and where a parent is not visible neither is the object.
 ///
 /// Between keys: linear and cubic treat each number by itself (tracks.h), but
 ///   Euler angles     are joined angle by angle, then turned into a matrix
 ///   axis and angle   where every key has the same axis, the angle is joined: more than one turn is possible;
 ///                    where axes differ, the keys are read as quaternions
 ///   quaternions      linear: slerp along the shorter arc; cubic: the spline of the four numbers, normalised
-/// A cubic track can overshoot its keys; then exitance is held at >= 0, a field of view within 1 .. 170
-/// degrees, and a scale factor at no less than a hundredth of its smallest key.
+/// A cubic track can overshoot its keys; then exitance and intensity are held at >= 0, reflectance within
+/// 0 .. kReflectanceMax, a field of view within 1 .. 170 degrees, and a scale factor at no less than a
+/// hundredth of its smallest key.
+///
+/// Lights without a surface: see source_motion.h. Emission::sources is in order of name.
 ///
 /// Cameras: `up` is the job's up axis. Where a camera looks along it within 0.1 degrees, the top of its
 /// picture is -z (up = y) or +y (up = z), as on a map. Where position and target meet, the camera looks on as

@@ -149,13 +149,14 @@ void GroupOfJob::move_to(std::vector<LightGroup>& groups) {
 }  // namespace
 
 std::vector<LightGroup> light_groups(const Scene& scene, const Animation& animation,
-                                     const std::map<std::string, std::vector<std::string>>& named) {
+                                     const std::map<std::string, std::vector<std::string>>& named,
+                                     std::size_t curves_max) {
   std::map<std::string_view, std::string_view> group_of;  // light -> the first group that names it
   for (const auto& [group, lights] : named)
     for (const std::string& light : lights) group_of.try_emplace(light, group);
 
   std::map<std::string_view, GroupOfJob> of_job;
-  std::size_t curves_left = kScaledGroupsMax;
+  std::size_t curves_left = curves_max;
   const std::vector<Light> lights = lights_of(scene, animation.emission);
   for (const Light& light : lights) {
     const auto group = group_of.find(light.name);

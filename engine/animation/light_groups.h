@@ -33,7 +33,7 @@ inline constexpr std::size_t kScaledGroupsMax = 3;
 ///     exitance_c(m, f) = scale_c(f) * base_c(m),   base_c(m) = max_f exitance_c(m, f)       c = r, g, b
 ///
 /// Lights are steady, or share a group with those whose scale_c is theirs within 1e-6 in every channel in
-/// which both emit. Only brightness counts: a light that moves may be steady. The first kScaledGroupsMax
+/// which both emit. Only brightness counts: a light that moves may be steady. The first `curves_max`
 /// curves, by the names of their lights, are factored out; lights of further curves are with the steady ones
 /// of their group, as animated. So every material and source that ever emits is of exactly one LightGroup,
 /// and sum_g scale_g * emission_g is what the animation emits, but for rounding.
@@ -41,7 +41,8 @@ inline constexpr std::size_t kScaledGroupsMax = 3;
 /// In order of name, steady lights first. A name of `named` whose lights never emit has no group. A light
 /// that several name is of the first. At least one group, also where nothing emits.
 std::vector<LightGroup> light_groups(const Scene& scene, const Animation& animation,
-                                     const std::map<std::string, std::vector<std::string>>& named);
+                                     const std::map<std::string, std::vector<std::string>>& named,
+                                     std::size_t curves_max = kScaledGroupsMax);
 
 /// Mean over all frames of what `emission` has the material emit: the emission of the scene at rest.
 Rgb mean_exitance(const Emission& emission, std::uint32_t material);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "engine/animation/rotation.h"
 #include "engine/animation/tracks.h"
 
 namespace engine {
@@ -50,19 +49,52 @@ Pose pose_at(const api::ObjectAnimation& object, const RotationCurve& rotation, 
   return pose;
 }
 
+/// `outer` after `inner`.
+Pose composed(const Pose& outer, const Pose& inner) {
+  Pose pose;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 4; ++j) {
+      double sum = j == 3 ? outer.m[i][3] : 0.0;
+      for (int k = 0; k < 3; ++k) sum += outer.m[i][k] * inner.m[k][j];
+      pose.m[i][j] = sum;
+    }
+  return pose;
+}
+
 }  // namespace
 
-ObjectMotion motion_of(const api::ObjectAnimation& object, double metres_per_unit, FrameIndex frame_count) {
-  const RotationCurve rotation(object.rotate);
+Placement::Placement(const api::SceneDescription& description, const std::string& name)
+    : metres_per_unit_(description.metres_per_unit) {
+  auto entry = description.objects.find(name);
+  while (entry != description.objects.end() && chain_.size() <= kParentsMax) {
+    const api::ObjectAnimation& object = entry->second;
+    chain_.push_back({&object, RotationCurve(object.rotate)});
+    entry = object.parent.empty() ? description.objects.end() : description.objects.find(object.parent);
+  }
+}
+
+std::optional<Pose> Placement::at(FrameIndex frame) const {
+  for (const Link& link : chain_)
+    if (!value_at(link.object->visible, frame, true)) return std::nullopt;
+  if (chain_.empty()) return Pose{};
+  const auto pose_of = [&](const Link& link) {
+    return pose_at(*link.object, link.rotation, metres_per_unit_, frame);
+  };
+  Pose pose = pose_of(chain_.front());
+  for (std::size_t k = 1; k < chain_.size(); ++k) pose = composed(pose_of(chain_[k]), pose);
+  return pose;
+}
+
+ObjectMotion motion_of(const Placement& placement, FrameIndex frame_count) {
   ObjectMotion motion;
   for (FrameIndex frame = 0; frame < frame_count; ++frame) {
-    if (!value_at(object.visible, frame, true)) continue;
-    const Pose pose = pose_at(object, rotation, metres_per_unit, frame);
+    const std::optional<Pose> pose = placement.at(frame);
+    if (!pose) continue;
     const bool goes_on = !motion.spans.empty() && motion.spans.back().last + 1 == frame;
-    if (goes_on && motion.spans.back().pose == pose)
+    if (goes_on && motion.spans.back().pose == *pose)
       motion.spans.back().last = frame;
     else
-      motion.spans.push_back({frame, frame, pose});
+      motion.spans.push_back({frame, frame, *pose});
   }
   return motion;
 }

@@ -81,6 +81,42 @@ TEST(Animate, NeverLetsACubicLightGoNegative) {
   EXPECT_EQ(animation.emission.exitance(1, 4).r, 0);
 }
 
+TEST(Animate, LeavesReflectanceToTheMaterialWhereNothingKeysIt) {
+  const Animation animation = animate(two_objects_two_materials(), ten_frames());
+  ASSERT_EQ(animation.reflectance.size(), 2u);
+  EXPECT_TRUE(animation.reflectance[0].empty() && animation.reflectance[1].empty());
+  EXPECT_EQ(material_reflectance(two_objects_two_materials(), animation, 1, 3), (Rgb{.5f, .5f, .5f}));
+}
+
+TEST(Animate, EvaluatesKeyedReflectanceInEveryFrame) {
+  api::JobRequest request = ten_frames();
+  request.scene.materials["wall"].reflectance.keys = {{1, {0, .2, .4}}, {5, {.8, .6, .4}}};
+  request.scene.materials["lamp"].reflectance.keys = {{0, {.25, .5, .75}}, {7, {.25, .5, .75}}};
+  const Scene scene = two_objects_two_materials();
+  const Animation animation = animate(scene, request);
+  ASSERT_EQ(animation.reflectance[0].size(), 10u);
+  EXPECT_EQ(material_reflectance(scene, animation, 0, 0), (Rgb{0, .2f, .4f}));
+  EXPECT_EQ(material_reflectance(scene, animation, 0, 3), (Rgb{.4f, .4f, .4f}));
+  EXPECT_EQ(material_reflectance(scene, animation, 0, 9), (Rgb{.8f, .6f, .4f}));
+  EXPECT_EQ(animation.reflectance[1], (std::vector<Rgb>{{.25f, .5f, .75f}})) << "one value: never changes";
+}
+
+TEST(Animate, NeverLetsACubicReflectanceLeaveItsRange) {
+  api::JobRequest request = ten_frames();
+  const double most = 0.9999999;  // rounds to below 1, but is more than a material may have
+  request.scene.materials["wall"].reflectance = {
+      KeyInterpolation::cubic,
+      {{0, {0, most, 0}}, {3, {most, 0, most}}, {6, {most, 0, most}}, {9, {0, most, 0}}}};
+  const auto series = animate(two_objects_two_materials(), request).reflectance[0];
+  ASSERT_EQ(series.size(), 10u);
+  for (const Rgb rho : series)
+    for (const float channel : {rho.r, rho.g, rho.b}) {
+      EXPECT_GE(channel, 0);
+      EXPECT_LE(channel, kReflectanceMax);
+    }
+  EXPECT_EQ(series[4], (Rgb{kReflectanceMax, 0, kReflectanceMax})) << "it overshoots both ways";
+}
+
 api::JobRequest with_camera(api::Vec3 position, api::Vec3 target, api::UpAxis up) {
   api::JobRequest request = ten_frames();
   request.scene.up = up;

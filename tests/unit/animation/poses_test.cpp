@@ -19,6 +19,13 @@ double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
+ObjectMotion motion_of(const api::ObjectAnimation& object, double metres_per_unit, FrameIndex frame_count) {
+  api::SceneDescription description;
+  description.metres_per_unit = metres_per_unit;
+  description.objects["it"] = object;
+  return motion_of(Placement(description, "it"), frame_count);
+}
+
 /// The pose of a single frame of an object with constant tracks.
 Pose pose_of(const api::ObjectAnimation& object, double metres_per_unit = 1) {
   const ObjectMotion motion = motion_of(object, metres_per_unit, 1);
