@@ -11,7 +11,6 @@ namespace {
 
 constexpr Range kCoordinate{-1e9, 1e9};
 constexpr Range kIntensity{0, 1e9};
-constexpr Range kInnerAngle{0, 90};
 constexpr Range kOuterAngle{.lowest = 0, .highest = 90, .lowest_excluded = true};
 constexpr double kShortest = 1e-100;  ///< of a direction: its square is a number still
 
@@ -61,24 +60,17 @@ std::optional<Vec3> read_direction(const Node& node) {
 }
 
 void read_cone(const Node& node, LightSource& light) {
-  const auto outer = member(node, "outer_degrees");
-  const auto inner = member(node, "inner_degrees");
-  bool known = true;  // what the inner angle is held against
-  if (outer) {
+  // Where the outer angle is wrong, the inner one is held against the most there can be.
+  Range inner_angle{0, light.outer_degrees};
+  if (const auto outer = member(node, "outer_degrees")) {
     const auto value = number(*outer, kOuterAngle);
-    known = value.has_value();
     take(value, light.outer_degrees);
+    inner_angle.highest = value.value_or(kOuterAngle.highest);
   }
-  if (!inner) {
+  if (const auto inner = member(node, "inner_degrees"))
+    take(number(*inner, inner_angle, " (outer_degrees)"), light.inner_degrees);
+  else
     light.inner_degrees = std::min(light.inner_degrees, light.outer_degrees);
-    return;
-  }
-  const auto value = number(*inner, kInnerAngle);
-  take(value, light.inner_degrees);
-  if (value && known && *value > light.outer_degrees)
-    add_violation(*inner, "out_of_range",
-                  "must be at most outer_degrees, " + ParsedJson(light.outer_degrees).dump() + ", got " +
-                      inner->json->dump());
 }
 
 void read_fields(const Node& node, FrameIndex frame_count, LightSource& light) {

@@ -148,14 +148,15 @@ std::vector<std::pair<std::string, Node>> members(const Node& object) {
   return list;
 }
 
-std::optional<double> number(const Node& node, const Range& range) {
+std::optional<double> number(const Node& node, const Range& range, std::string_view why) {
   if (!node.json->is_number()) {
     add_wrong_type(node, "a number");
     return std::nullopt;
   }
   const double value = node.json->get<double>();
   if (contains(range, value)) return value;
-  add_violation(node, "out_of_range", "must be " + range_text(range) + ", got " + node.json->dump());
+  add_violation(node, "out_of_range",
+                "must be " + range_text(range) + std::string(why) + ", got " + node.json->dump());
   return std::nullopt;
 }
 

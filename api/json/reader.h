@@ -56,8 +56,9 @@ struct Range {
   bool highest_excluded = false;
 };
 
-std::optional<double> number(const Node& node, const Range& range);
-/// Whole numbers only: 24 and 24.0, never 1.5. `why` is added to the detail where it is out of range.
+/// `why` is added to the detail where the number is out of range.
+std::optional<double> number(const Node& node, const Range& range, std::string_view why = {});
+/// Whole numbers only: 24 and 24.0, never 1.5.
 std::optional<std::uint64_t> whole(const Node& node, std::uint64_t lowest, std::uint64_t highest,
                                    std::string_view why = {});
 std::optional<bool> boolean(const Node& node);
