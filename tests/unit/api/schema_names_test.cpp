@@ -59,6 +59,26 @@ TEST(SchemaNames, FrameKindsAndModesAreTheCodes) {
   EXPECT_EQ(schema("job")["$defs"]["lighting"]["properties"]["mode"]["enum"], modes);
 }
 
+/// Every member of what is written is described, and the reverse.
+void expect_members(const ParsedJson& described, const std::string& written) {
+  const auto json = ParsedJson::parse(written);
+  std::vector<std::string> names, properties;
+  for (const auto& [name, value] : json.items()) names.push_back(name);
+  for (const auto& [name, value] : described["properties"].items()) properties.push_back(name);
+  EXPECT_EQ(names, properties);
+}
+
+TEST(SchemaNames, WritersWriteWhatTheSchemasTell) {
+  expect_members(schema("progress_line"), progress_line_json({}));
+  expect_members(schema("forecast"), forecast_json({}));
+  expect_members(schema("report"), job_report_json({}));
+  const ParsedJson key_frames = schema("key_frames");
+  const std::string report = key_frame_report_json({{}, {{}}, {{}}});
+  expect_members(key_frames, report);
+  for (const char* list : {"frames", "intervals"})
+    expect_members(key_frames["properties"][list]["items"], ParsedJson::parse(report)[list][0].dump());
+}
+
 TEST(SchemaNames, EveryCodeOfARejectedExampleIsListed) {
   const std::string listed = schema("problem")["$defs"]["error"]["properties"]["code"]["description"];
   for (const auto& entry : std::filesystem::directory_iterator(source_path("api/examples/rejected"))) {
