@@ -2,7 +2,9 @@
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace engine {
@@ -17,6 +19,12 @@ void set_thread_count(unsigned threads) {
   if (threads > 0)
     thread_limit =
         std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, threads);
+}
+
+unsigned thread_count() {
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const auto cores = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  return static_cast<unsigned>(std::max<std::size_t>(std::min(allowed, cores), 1));
 }
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work) {

@@ -12,6 +12,7 @@
 #include "engine/image/image_files.h"
 #include "engine/image/render_frame.h"
 #include "engine/image/shading_mesh.h"
+#include "engine/image/textured_view.h"
 #include "engine/image/tone_map.h"
 
 namespace engine {
@@ -56,10 +57,14 @@ api::Status publish(const Sequence& sequence, const std::string& name,
   return file->publish();
 }
 
-std::vector<Rgb> limited(NodeValues values, float largest) {
+/// What is brighter than white at its edges too. Irradiance is none of it: white is what a texture makes of
+/// it.
+std::vector<Rgb> limited(const ShadedScene& stage, NodeValues values, float largest) {
   std::vector<Rgb> out(values.begin(), values.end());
-  for (Rgb& value : out)
-    value = {std::min(value.r, largest), std::min(value.g, largest), std::min(value.b, largest)};
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    if (stage.textures && k < stage.mesh.node_count && stage.textures->shows_irradiance[k]) continue;
+    out[k] = {std::min(out[k].r, largest), std::min(out[k].g, largest), std::min(out[k].b, largest)};
+  }
   return out;
 }
 
@@ -72,13 +77,15 @@ api::Status render_and_write(const Sequence& sequence, FrameIndex frame, NodeVal
                  moving,
                  0,
                  {},
-                 sequence.static_view.get()};
+                 sequence.static_view.get(),
+                 frame};
   if (view.static_view) view.motion = pixels_with_motion(patches, sequence.animation, frame, view.camera);
 
   std::vector<NodeValues> wanted;
   std::vector<Rgb> shown;
   if (options.png) {
-    shown = limited(node_values_w_m2, sequence.display.white_radiance() * std::numbers::pi_v<float>);
+    shown = limited(sequence.stage, node_values_w_m2,
+                    sequence.display.white_radiance() * std::numbers::pi_v<float>);
     wanted.push_back(shown);
   }
   if (options.exr) wanted.push_back(node_values_w_m2);
@@ -96,25 +103,52 @@ api::Status render_and_write(const Sequence& sequence, FrameIndex frame, NodeVal
 /// As many frames as fit the memory that a block may take.
 std::uint32_t block_frames(const Sequence& sequence) {
   const std::size_t pixels = std::size_t{sequence.options.width} * sequence.options.height;
-  const std::size_t bytes = 2 * sizeof(Rgb) * (pixels + sequence.stage.mesh.node_count);
+  const std::size_t irradiance = sequence.stage.textures ? sequence.stage.patches.count() : 0;
+  const std::size_t bytes = 2 * sizeof(Rgb) * (pixels + sequence.stage.mesh.node_count + irradiance);
   return static_cast<std::uint32_t>(std::clamp<std::size_t>(kBlockBytesMax / bytes, 1, kBlockFramesMax));
 }
 
-/// Renders and writes all frames, some at a time: their node values are computed together, since the frames
-/// of a patch lie side by side.
-api::Status render_all(const Sequence& sequence, const PatchSeries& radiosity_w_m2) {
+/// Which frames have all their files.
+std::vector<char> finished_frames(const api::ImageOptions& options, const std::filesystem::path& folder,
+                                  FrameIndex frame_count) {
+  const auto is_there = [&](FrameIndex frame, const char* extension) {
+    std::error_code unknown;
+    return std::filesystem::is_regular_file(
+        std::filesystem::symlink_status(folder / file_name(frame, extension), unknown));
+  };
+  std::vector<char> finished(frame_count);
+  for (FrameIndex frame = 0; frame < frame_count; ++frame)
+    finished[frame] = (!options.png || is_there(frame, "png")) && (!options.exr || is_there(frame, "exr"));
+  return finished;
+}
+
+bool values_of_nodes(const Sequence& sequence, const PatchSeries& radiosity_w_m2, FrameIndex first,
+                     std::span<std::vector<Rgb>> values) {
+  const ShadedScene& stage = sequence.stage;
+  const auto& stop = sequence.progress.stop_requested;
+  if (stage.textures) return textured_node_values(*stage.textures, radiosity_w_m2, first, stop, values);
+  return node_radiosity(stage.mesh, stage.patches, radiosity_w_m2, first, stop, values);
+}
+
+/// Renders and writes all frames that are not `finished`, some at a time: their node values are computed
+/// together, since the frames of a patch lie side by side.
+api::Status render_all(const Sequence& sequence, const PatchSeries& radiosity_w_m2,
+                       const std::vector<char>& finished) {
   const FrameIndex frame_count = sequence.animation.frame_count;
   std::vector<std::vector<Rgb>> node_values(std::min(block_frames(sequence), frame_count));
   std::mutex mutex;
-  FrameIndex done_count = 0;
+  auto done_count = static_cast<FrameIndex>(std::count(finished.begin(), finished.end(), 1));
   for (FrameIndex first = 0; first < frame_count; first += static_cast<FrameIndex>(node_values.size())) {
     const auto count = std::min<std::size_t>(node_values.size(), frame_count - first);
     const std::span values(node_values.data(), count);
-    if (!node_radiosity(sequence.stage.mesh, sequence.stage.patches, radiosity_w_m2, first,
-                        sequence.progress.stop_requested, values))
+    const auto block = finished.begin() + first;
+    if (std::all_of(block, block + static_cast<std::ptrdiff_t>(count), [](char done) { return done; }))
+      continue;
+    if (!values_of_nodes(sequence, radiosity_w_m2, first, values))
       return api::Error{api::Fault::stopped, "stopped while rendering images"};
     std::vector<std::optional<api::Error>> errors(count);
     parallel_for(count, [&](std::size_t k) {
+      if (finished[first + k]) return;
       const auto status = render_and_write(sequence, first + static_cast<FrameIndex>(k), values[k]);
       const std::lock_guard lock(mutex);
       if (!status) errors[k] = status.error();
@@ -137,24 +171,25 @@ std::vector<std::string> file_names(const api::ImageOptions& options, FrameIndex
 
 }  // namespace
 
-api::Result<std::vector<std::string>> render_images(const Patches& patches, const Animation& animation,
-                                                    const StaticRays& static_rays,
+api::Result<std::vector<std::string>> render_images(const Scene& scene, const Patches& patches,
+                                                    const Animation& animation, const StaticRays& static_rays,
                                                     const PatchSeries& radiosity_w_m2,
                                                     const api::ImageOptions& options,
                                                     const std::filesystem::path& folder,
-                                                    const Progress& progress) {
+                                                    const Progress& progress, bool keep_finished) {
   const auto camera = animation.cameras.find(options.camera);
   if (camera == animation.cameras.end())
     return api::Error{api::Fault::invalid_request, "no camera '" + options.camera + "'"};
   const double factor = options.auto_exposure ? auto_exposure_factor(patches, animation, radiosity_w_m2)
                                               : std::exp2(options.exposure_stops);
-  const ShadingMesh mesh = build_shading_mesh(patches);
+  const ShadingMesh mesh = build_shading_mesh(patches, corner_normals(scene, patches));
+  const auto textures = make_textured_view(scene, animation, patches, mesh);
   Sequence sequence{animation,
                     camera->second,
                     options,
                     folder,
                     progress,
-                    {patches, mesh, static_rays},
+                    {patches, mesh, static_rays, textures.get()},
                     DisplayTable(options.tone_map, factor)};
   if (animation.frame_count > 1 && stands_still(sequence.poses))
     sequence.static_view =
@@ -162,9 +197,17 @@ api::Result<std::vector<std::string>> render_images(const Patches& patches, cons
                    options.samples_per_pixel, kStaticViewBytesMax, progress.stop_requested);
   if (progress.stop_requested()) return api::Error{api::Fault::stopped, "stopped before the first image"};
 
-  if (auto done = render_all(sequence, radiosity_w_m2); !done) return done.error();
+  std::vector<char> finished(animation.frame_count, 0);
+  if (keep_finished) finished = finished_frames(options, folder, animation.frame_count);
+  if (auto done = render_all(sequence, radiosity_w_m2, finished); !done) return done.error();
   if (auto synced = sync_folder(folder); !synced) return synced.error();
   return file_names(options, animation.frame_count);
+}
+
+std::uint32_t count_finished_images(const api::ImageOptions& options, const std::filesystem::path& folder,
+                                    FrameIndex frame_count) {
+  const std::vector<char> finished = finished_frames(options, folder, frame_count);
+  return static_cast<std::uint32_t>(std::count(finished.begin(), finished.end(), 1));
 }
 
 }  // namespace engine

@@ -92,20 +92,20 @@ api::Status check_request_size(const api::JobRequest& request, std::size_t objec
   return refuse_if_any(std::move(violations));
 }
 
-api::Result<PatchCount> check_mesh_size(const api::JobRequest& request, const Scene& scene) {
+api::Result<MeshSizes> check_mesh_size(const api::JobRequest& request, const Scene& scene) {
   const api::LightingOptions& lighting = request.lighting;
   const auto count = count_patches(scene, lighting.patch_edge_m);
   if (!count) return count.error();
   if (auto s = check_series(count->patches, request.frame_count, kSeriesBytesMax, "patch_edge_m"); !s)
     return s.error();
-  if (lighting.mode == api::LightingMode::reference) return count;  // it has no estimate
+  if (lighting.mode == api::LightingMode::reference) return MeshSizes{*count, 0};  // it has no estimate
   const auto coarse = count_patches(scene, lighting.estimate_patch_edge_m);
   if (!coarse) return coarse.error();
   if (auto s = check_series(coarse->patches, request.frame_count, kEstimateSeriesBytesMax,
                             "estimate_patch_edge_m");
       !s)
     return s.error();
-  return count;
+  return MeshSizes{*count, coarse->patches};
 }
 
 }  // namespace engine

@@ -18,12 +18,45 @@ const char* media_type_of(const std::filesystem::path& file) {
   return file.extension() == ".exr" ? "image/x-exr" : "image/png";
 }
 
+constexpr std::string_view kImagesBegun = "images_begun";
+
+/// Are the images in `folder` of this very job? Else they are removed, and from now on they are.
+api::Status claim_images(const std::filesystem::path& folder, Checkpoints& checkpoints) {
+  if (checkpoints.load(kImagesBegun)) return api::Done{};
+  std::error_code failed;
+  std::filesystem::remove_all(folder / "images", failed);
+  if (failed) return file_error("remove", folder / "images", failed.value());
+  // The removal before the claim: else a power cut in between would leave images of another job under it.
+  if (auto synced = sync_folder(folder); !synced) return synced;
+  // Without the claim (a full disk) the next attempt renders them all: no reason to fail.
+  (void)checkpoints.save(kImagesBegun, {});
+  return api::Done{};
+}
+
+/// Images that an earlier attempt has finished are progress.
+void tell_of_finished(const std::vector<api::ImageOptions>& images, const std::filesystem::path& folder,
+                      FrameIndex frame_count, StageClock& clock, api::JobReport& report) {
+  std::size_t finished = 0;
+  for (const api::ImageOptions& image : images)
+    finished += count_finished_images(image, folder / "images" / image.camera, frame_count);
+  if (finished == 0) return;
+  const std::size_t all = images.size() * frame_count;
+  clock.go_on_from(static_cast<double>(finished) / static_cast<double>(all),
+                   "goes on with " + std::to_string(finished) + " of " + std::to_string(all) +
+                       " images that an earlier attempt has finished");
+  report.counts.emplace_back("resumed_images", static_cast<double>(finished));
+}
+
 }  // namespace
 
 api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const PatchSeries& radiosity_w_m2,
                                                   const std::vector<api::ImageOptions>& images,
                                                   const std::filesystem::path& folder,
-                                                  const Progress& progress) {
+                                                  Checkpoints& checkpoints, StageClock& clock,
+                                                  api::JobReport& report) {
+  const Progress& progress = clock.begin(api::Stage::images);
+  if (const auto claimed = claim_images(folder, checkpoints); !claimed) return claimed.error();
+  tell_of_finished(images, folder, lit.animation.frame_count, clock, report);
   std::vector<Artefact> artefacts;
   const auto share = [&](std::size_t k) {
     return static_cast<double>(k) / static_cast<double>(images.size());
@@ -31,8 +64,9 @@ api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const Pat
   for (std::size_t k = 0; k < images.size(); ++k) {
     const std::filesystem::path within = std::filesystem::path("images") / images[k].camera;
     if (const auto made = make_folder(folder / within); !made) return made.error();
-    const auto files = render_images(lit.patches, lit.animation, lit.static_rays, radiosity_w_m2, images[k],
-                                     folder / within, part_of(progress, share(k), share(k + 1)));
+    const auto files =
+        render_images(lit.scene, lit.patches, lit.animation, lit.static_rays, radiosity_w_m2, images[k],
+                      folder / within, part_of(progress, share(k), share(k + 1)), true);
     if (!files) return files.error();
     for (const std::string& file : *files)
       artefacts.push_back({(within / file).generic_string(), media_type_of(file)});
@@ -44,15 +78,21 @@ api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const Pat
   return artefacts;
 }
 
-api::Status publish_data(const LitScene& lit, const PatchSeries& radiosity_w_m2,
-                         const api::KeyFrameReport& key_frames, const std::vector<Artefact>& images,
-                         const std::filesystem::path& folder) {
-  if (auto s = write_radiosity_npy(folder / "radiosity.npy", radiosity_w_m2); !s) return s;
+api::Status publish_data(const LitScene& lit, const SolvedSequence& solved,
+                         const std::vector<Artefact>& images, const std::filesystem::path& folder) {
+  std::vector<Artefact> artefacts;
+  const auto publish_series = [&](const std::string& file, const PatchSeries& series) {
+    artefacts.push_back({file, "application/x-npy"});
+    return write_radiosity_npy(folder / file, series);
+  };
+  if (auto s = publish_series("radiosity.npy", solved.radiosity_w_m2); !s) return s;
+  for (const NamedSeries& other : solved.others)
+    if (auto s = publish_series(other.file, other.values_w_m2); !s) return s;
   if (auto s = write_patches_npz(folder / "patches.npz", lit.scene, lit.patches, lit.animation); !s) return s;
-  if (auto s = write_file(folder / "key_frames.json", api::key_frame_report_json(key_frames)); !s) return s;
-  std::vector<Artefact> artefacts{{"radiosity.npy", "application/x-npy"},
-                                  {"patches.npz", "application/zip"},
-                                  {"key_frames.json", "application/json"}};
+  artefacts.push_back({"patches.npz", "application/zip"});
+  const std::string key_frames = api::key_frame_report_json(solved.key_frames);
+  if (auto s = write_file(folder / "key_frames.json", key_frames); !s) return s;
+  artefacts.push_back({"key_frames.json", "application/json"});
   artefacts.insert(artefacts.end(), images.begin(), images.end());
   return write_manifest(folder, artefacts);
 }

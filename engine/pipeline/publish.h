@@ -4,27 +4,29 @@
 #include <filesystem>
 #include <vector>
 
-#include "api/job_report.h"
 #include "api/job_request.h"
-#include "engine/lighting/light_sequence.h"
+#include "engine/base/checkpoint.h"
+#include "engine/lighting/lit_scene.h"
 #include "engine/output/artefacts.h"
-#include "engine/pipeline/stage_clock.h"
+#include "engine/pipeline/solve_sequence.h"
 
 namespace engine {
 
 /// Renders every image the job asks for, into `folder`/images/<camera>/, and lists the files.
-/// `folder` exists. Errors: invalid_request for a camera that the animation lacks; stopped; disk_full;
-/// internal for other I/O errors.
+/// `folder` exists. An image that an earlier attempt at the same job has finished is left as it is, which
+/// `checkpoints` tell; images of anything else are removed. Frames that were there are counted in `report`.
+/// Errors: invalid_request for a camera that the animation lacks; stopped; disk_full; internal for other I/O
+/// errors.
 api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const PatchSeries& radiosity_w_m2,
                                                   const std::vector<api::ImageOptions>& images,
                                                   const std::filesystem::path& folder,
-                                                  const Progress& progress);
+                                                  Checkpoints& checkpoints, StageClock& clock,
+                                                  api::JobReport& report);
 
-/// Writes radiosity.npy, patches.npz and key_frames.json, and last of all manifest.json, which lists these
-/// and `images`. Errors: disk_full; out_of_resources where patches.npz would exceed 4 GiB; internal for other
-/// I/O errors, and where one of `images` is not there.
-api::Status publish_data(const LitScene& lit, const PatchSeries& radiosity_w_m2,
-                         const api::KeyFrameReport& key_frames, const std::vector<Artefact>& images,
-                         const std::filesystem::path& folder);
+/// Writes radiosity.npy, the other series, patches.npz and key_frames.json, and last of all manifest.json,
+/// which lists these and `images`. Errors: disk_full; out_of_resources where patches.npz would exceed 4 GiB;
+/// internal for other I/O errors, and where one of `images` is not there.
+api::Status publish_data(const LitScene& lit, const SolvedSequence& solved,
+                         const std::vector<Artefact>& images, const std::filesystem::path& folder);
 
 }  // namespace engine

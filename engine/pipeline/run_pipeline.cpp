@@ -1,10 +1,14 @@
 #include "engine/pipeline/run_pipeline.h"
 
+#include "engine/base/parallel.h"
 #include "engine/image/texture_file.h"
 #include "engine/pipeline/check_poses.h"
+#include "engine/pipeline/forecast.h"
+#include "engine/pipeline/job_fingerprint.h"
 #include "engine/pipeline/limits.h"
 #include "engine/pipeline/publish.h"
 #include "engine/pipeline/solve_sequence.h"
+#include "engine/pipeline/solved_checkpoint.h"
 #include "engine/pipeline/stage_clock.h"
 
 namespace engine {
@@ -14,6 +18,7 @@ namespace {
 struct PreparedJob {
   Scene scene;
   Animation animation;
+  JobSize size;
 };
 
 void count_scene(const Scene& scene, const PatchCount& count, std::uint32_t frames, api::JobReport& report) {
@@ -35,10 +40,56 @@ api::Result<PreparedJob> prepare(const api::JobRequest& request, const std::file
   if (auto s = check_request_size(request, scene->objects.size()); !s) return s.error();
   Animation animation = animate(*scene, request);
   if (auto s = check_poses(*scene, animation, report.warnings); !s) return s.error();
-  const auto count = check_mesh_size(request, *scene);
-  if (!count) return count.error();
-  count_scene(*scene, *count, request.frame_count, report);
-  return PreparedJob{std::move(*scene), std::move(animation)};
+  const auto meshes = check_mesh_size(request, *scene);
+  if (!meshes) return meshes.error();
+  count_scene(*scene, meshes->fine, request.frame_count, report);
+  const JobSize size = size_of_job(request, *scene, animation, meshes->fine.patches, meshes->coarse_patches);
+  return PreparedJob{std::move(*scene), std::move(animation), size};
+}
+
+/// Fills the report's forecast, of the whole and of each stage.
+MachinePace forecast_job(const PreparedJob& job, unsigned threads, api::JobReport& report) {
+  const MachinePace pace = measure_pace(job.scene, job.animation, threads);
+  report.forecast = forecast_of(job.size, pace);
+  const StageSeconds seconds = forecast_seconds(job.size, pace);
+  for (std::size_t k = 0; k < seconds.size(); ++k)
+    if (seconds[k] > 0)
+      report.counts.emplace_back(
+          "forecast_" + std::string(api::name_of(static_cast<api::Stage>(k))) + "_seconds", seconds[k]);
+  return pace;
+}
+
+/// What the stages are expected to take, now and once it is known how many frames are solved.
+void expect_forecast(StageClock& clock, const JobSize& size, const MachinePace& pace) {
+  clock.expect(forecast_seconds(size, pace));
+  clock.ask([size, pace](std::uint32_t solved_frames) {
+    JobSize known = size;
+    known.solved_frames = solved_frames;
+    return forecast_seconds(known, pace);
+  });
+}
+
+/// Where nothing is to be kept, or the inputs cannot be told apart: none.
+Checkpoints open_checkpoints(const std::filesystem::path& folder, const std::filesystem::path& input_folder) {
+  if (folder.empty()) return {};
+  const auto fingerprint = job_fingerprint(input_folder);
+  return fingerprint ? Checkpoints(folder, *fingerprint) : Checkpoints();
+}
+
+/// As an earlier attempt left it, or solved now.
+api::Result<SolvedSequence> solve_or_resume(const LitScene& lit, const api::LightingOptions& options,
+                                            StageClock& clock, Checkpoints& checkpoints,
+                                            api::JobReport& report) {
+  if (auto solved = load_solved(checkpoints, report)) {
+    report.counts.emplace_back("resumed_solution", 1);
+    clock.begin(api::Stage::interpolate);
+    clock.go_on_from(1, "goes on from the solution that an earlier attempt has saved");
+    return std::move(*solved);
+  }
+  auto solved = solve_sequence(lit, options, clock, report, checkpoints);
+  // Not kept (a full disk): the next attempt solves again.
+  if (solved && checkpoints.due()) (void)save_solved(*solved, report, checkpoints);
+  return solved;
 }
 
 }  // namespace
@@ -48,8 +99,10 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
                          api::JobReport& report) {
   StageClock clock(hooks, report);
   clock.begin(api::Stage::scene);
+  Checkpoints checkpoints = open_checkpoints(hooks.checkpoint_folder, input_folder);
   const auto job = prepare(request, input_folder, report);
   if (!job) return job.error();
+  expect_forecast(clock, job->size, forecast_job(*job, thread_count(), report));
 
   clock.begin(api::Stage::patches);
   const auto patches = mesh_into_patches(job->scene, request.lighting.patch_edge_m);
@@ -57,23 +110,26 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
   const StaticRays static_rays(*patches, job->animation);
   const LitScene lit{job->scene, job->animation, *patches, static_rays};
 
-  const auto solved = solve_sequence(lit, request.lighting, clock, report);
+  const auto solved = solve_or_resume(lit, request.lighting, clock, checkpoints, report);
   if (!solved) return solved.error();
 
   const auto images = publish_images(lit, solved->radiosity_w_m2, request.images, artefacts_folder,
-                                     clock.begin(api::Stage::images));
+                                     checkpoints, clock, report);
   if (!images) return images.error();
   const Progress& publishing = clock.begin(api::Stage::publish);
-  const auto published =
-      publish_data(lit, solved->radiosity_w_m2, solved->key_frames, *images, artefacts_folder);
-  if (published) publishing.report(1);
+  const auto published = publish_data(lit, *solved, *images, artefacts_folder);
+  if (!published) return published;
+  checkpoints.clear();
+  publishing.report(1);
   return published;
 }
 
 api::Status check_job(const api::JobRequest& request, const std::filesystem::path& input_folder,
-                      api::JobReport& report) {
+                      unsigned threads, api::JobReport& report) {
   const auto job = prepare(request, input_folder, report);
-  return job ? api::Status(api::Done{}) : job.error();
+  if (!job) return job.error();
+  (void)forecast_job(*job, threads, report);
+  return api::Done{};
 }
 
 }  // namespace engine

@@ -29,10 +29,10 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
                          api::JobReport& report);
 
 /// What run_pipeline checks before it computes: loads the scene, evaluates the animation and counts the
-/// patches, so that bad input and what is too much is refused before it is queued. Fills warnings and counts
-/// ("polygons", "patches", "frames").
+/// patches, so that bad input and what is too much is refused before it is queued. Fills warnings, counts
+/// ("polygons", "patches", "frames"), and the forecast of a run with so many threads (0: all cores).
 /// Errors: those of load_scene, check_poses and check_*_size (limits.h).
 api::Status check_job(const api::JobRequest& request, const std::filesystem::path& input_folder,
-                      api::JobReport& report);
+                      unsigned threads, api::JobReport& report);
 
 }  // namespace engine

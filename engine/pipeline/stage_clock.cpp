@@ -2,33 +2,73 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 namespace engine {
 namespace {
 
-/// About the share of a job's time that a stage takes, in the order of api::Stage; measured on the garage.
-/// In thousandths: whole numbers add up to exactly 1000, and the last fraction told is exactly 1.
-constexpr std::array<int, 9> kShares{5, 5, 80, 5, 600, 205, 10, 80, 10};
-static_assert(std::accumulate(kShares.begin(), kShares.end(), 0) == 1000);
+/// Shares of the stages where nothing better is known.
+constexpr StageSeconds kUsual{5, 5, 80, 5, 600, 205, 10, 80, 10};
 
-int share_of(api::Stage stage) {
-  return kShares[static_cast<std::size_t>(stage)];
-}
-
-/// Together with the stages that a mode leaves out: those before `stage` count as done.
-int shares_before(api::Stage stage) {
-  return std::accumulate(kShares.begin(), kShares.begin() + static_cast<std::ptrdiff_t>(stage), 0);
+double seconds_since(std::chrono::steady_clock::time_point then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
 }
 
 }  // namespace
 
+StageClock::StageClock(const RunHooks& hooks, api::JobReport& report)
+    : hooks_(hooks), report_(report), expected_(kUsual), started_(Clock::now()) {
+  work_at_start_ = work_left();
+}
+
+double StageClock::work_after() const {
+  return std::accumulate(expected_.begin() + static_cast<std::ptrdiff_t>(stage_) + 1, expected_.end(), 0.0);
+}
+
+double StageClock::work_left() const {
+  return (1 - stage_fraction_) * expected_[static_cast<std::size_t>(stage_)] + work_after();
+}
+
+void StageClock::expect(const StageSeconds& seconds) {
+  const std::lock_guard lock(mutex_);
+  // What the stage at work still takes stays as it was expected, unless it is over already.
+  for (std::size_t k = 0; k < kStageCount; ++k)
+    if (k > static_cast<std::size_t>(stage_) || !running_) expected_[k] = std::max(seconds[k], 0.0);
+  if (!is_forecast_ && running_) expected_[static_cast<std::size_t>(stage_)] = 0;
+  pace_ = is_forecast_ ? pace() : 1;
+  is_forecast_ = true;
+  fraction_at_start_ = fraction_;
+  work_at_start_ = work_left();
+  done_here_ = 0;
+  started_ = Clock::now();
+}
+
+void StageClock::frames_to_solve(std::uint32_t count) {
+  if (forecaster_) expect(forecaster_(count));
+}
+
+double StageClock::pace() const {
+  const double prior = kPrior * work_at_start_;
+  return prior > 0 ? (seconds_since(started_) + prior * pace_) / (done_here_ + prior) : pace_;
+}
+
+double StageClock::share_done() const {
+  const double left = work_left();
+  if (!(left > 0) || !(work_at_start_ > 0)) return 1;
+  return fraction_at_start_ + (1 - fraction_at_start_) * (1 - std::min(left / work_at_start_, 1.0));
+}
+
 const Progress& StageClock::begin(api::Stage stage) {
   end_stage();
-  stage_ = stage;
-  stage_fraction_ = 0;
-  done_before_ = shares_before(stage);
-  began_ = std::chrono::steady_clock::now();
-  running_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    stage_ = stage;
+    stage_fraction_ = 0;
+    message_.clear();
+    began_ = Clock::now();
+    running_ = true;
+  }
   progress_ = {[this](double fraction) { tell(fraction); }, hooks_.stop_requested};
   tell(0);
   return progress_;
@@ -37,15 +77,33 @@ const Progress& StageClock::begin(api::Stage stage) {
 void StageClock::end_stage() {
   if (!running_) return;
   running_ = false;
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began_;
-  report_.stage_seconds.emplace_back(stage_, took.count());
+  advance(1);
+  report_.stage_seconds.emplace_back(stage_, seconds_since(began_));
+}
+
+/// mutex_ held, or no other thread at work.
+void StageClock::advance(double stage_fraction) {
+  const double before = stage_fraction_;
+  stage_fraction_ = std::clamp(stage_fraction, stage_fraction_, 1.0);
+  done_here_ += (stage_fraction_ - before) * expected_[static_cast<std::size_t>(stage_)];
+}
+
+void StageClock::go_on_from(double stage_fraction, std::string message) {
+  {
+    const std::lock_guard lock(mutex_);
+    stage_fraction_ = std::clamp(stage_fraction, stage_fraction_, 1.0);
+    message_ = std::move(message);
+  }
+  tell(0);
 }
 
 void StageClock::tell(double stage_fraction) {
   const std::lock_guard lock(mutex_);
-  stage_fraction_ = std::clamp(stage_fraction, stage_fraction_, 1.0);
-  const double done = (done_before_ + share_of(stage_) * stage_fraction_) / 1000;
-  hooks_.progress({stage_, stage_fraction_, done, {}, std::nullopt});
+  advance(stage_fraction);
+  fraction_ = std::clamp(share_done(), fraction_, 1.0);
+  std::optional<double> left_s;
+  if (is_forecast_) left_s = work_left() * pace();
+  hooks_.progress({stage_, stage_fraction_, fraction_, message_, left_s});
 }
 
 }  // namespace engine

@@ -1,9 +1,13 @@
-// Which stage runs, for how long, and how far the whole job is.
+// Which stage runs, for how long, how far the whole job is, and how long it will still take.
 #pragma once
 
 #include <array>
 #include <chrono>
+#include <cstdint>
+#include <functional>
 #include <mutex>
+#include <string>
+#include <utility>
 
 #include "api/job_report.h"
 #include "engine/base/progress.h"
@@ -11,20 +15,61 @@
 
 namespace engine {
 
+inline constexpr std::size_t kStageCount = 9;
+/// Seconds that each stage is expected to take, in the order of api::Stage.
+using StageSeconds = std::array<double, kStageCount>;
+
 /// Begins stages one after the other; tells the hooks about progress and the report about seconds.
+///
+/// The fraction of the job is the share of the expected work that is done; it never falls, and is exactly 1
+/// at the end of the last stage. The time left is the expected work that is left times the pace so far:
+///
+///     left_s = W_left (T + p W q) / (D + p W)                                           [s]
+///
+/// W  the work that was left when the present expectation began, in seconds expected for it
+/// D  of that, what this process has done    T  the time it took    q  the pace before, 1 at first    p
+/// kPrior
+///
+/// So at first the expectation is believed, then more and more what was measured.
 class StageClock {
  public:
-  StageClock(const RunHooks& hooks, api::JobReport& report) : hooks_(hooks), report_(report) {}
+  /// How much of all work must be done before the measured pace counts as much as the expected one.
+  static constexpr double kPrior = 0.05;
+
+  StageClock(const RunHooks& hooks, api::JobReport& report);
   ~StageClock() { end_stage(); }
   StageClock(const StageClock&) = delete;
   StageClock& operator=(const StageClock&) = delete;
 
-  /// Ends the stage before, and answers what the new one reports to. It outlives the stage.
+  /// From now on the stages after the one at work are expected to take so long; may be called again when more
+  /// is known. Before the first call fractions come from fixed shares, and no time left is told.
+  void expect(const StageSeconds& seconds);
+
+  /// Seconds of the stages if so many frames are solved, for who learns that number; see frames_to_solve.
+  using Forecaster = std::function<StageSeconds(std::uint32_t solved_frames)>;
+  void ask(Forecaster forecaster) { forecaster_ = std::move(forecaster); }
+
+  /// The key-frames are chosen, and so many frames are solved: expects what that takes.
+  void frames_to_solve(std::uint32_t count);
+
+  /// Ends the stage before, and answers what the new one reports to. It outlives the stage. What a job leaves
+  /// out counts as done.
   const Progress& begin(api::Stage stage);
 
+  /// So much of the stage at work was done by an earlier attempt: progress, but no measure of pace. `message`
+  /// is told with every line of the stage.
+  void go_on_from(double stage_fraction, std::string message);
+
  private:
+  using Clock = std::chrono::steady_clock;
+
   void end_stage();
+  void advance(double stage_fraction);
   void tell(double stage_fraction);
+  double work_left() const;   ///< expected seconds, of the stage at work and those after it
+  double work_after() const;  ///< the same without the stage at work
+  double share_done() const;
+  double pace() const;  ///< seconds per second expected
 
   const RunHooks& hooks_;
   api::JobReport& report_;
@@ -32,9 +77,19 @@ class StageClock {
   std::mutex mutex_;  // stages report from many threads
   bool running_ = false;
   api::Stage stage_ = api::Stage::scene;
-  int done_before_ = 0;        ///< thousandths of the job that the stages before were
   double stage_fraction_ = 0;  ///< never falls
-  std::chrono::steady_clock::time_point began_;
+  std::string message_;
+  Clock::time_point began_;
+
+  Forecaster forecaster_;
+  StageSeconds expected_;
+  bool is_forecast_ = false;
+  double pace_ = 1;               ///< measured before the present expectation
+  double fraction_at_start_ = 0;  ///< of the job, when the present expectation began
+  double work_at_start_ = 0;      ///< left then
+  double done_here_ = 0;          ///< D
+  double fraction_ = 0;           ///< of the job; never falls
+  Clock::time_point started_;     ///< since when T runs
 };
 
 }  // namespace engine

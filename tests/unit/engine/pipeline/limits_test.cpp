@@ -82,7 +82,7 @@ TEST(MeshSize, PatchesTimesFramesAreRefusedBeyondTheMemoryOfASeries) {
   request.lighting.estimate_patch_edge_m = 100;
   const auto count = check_mesh_size(request, field());
   EXPECT_EQ(refused_at(count), "accepted");
-  EXPECT_EQ(count->patches, 1'000'000u);
+  EXPECT_EQ(count->fine.patches, 1'000'000u);
   request.frame_count = 112;  // 1281.7 MiB
   EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/patch_edge_m");
 }

@@ -1,0 +1,58 @@
+// What a job will take: counted before anything expensive, weighed by what this machine is measured to do.
+#pragma once
+
+#include <cstdint>
+
+#include "api/job_report.h"
+#include "api/job_request.h"
+#include "engine/animation/animation.h"
+#include "engine/pipeline/stage_clock.h"
+#include "engine/scene/scene.h"
+
+namespace engine {
+
+/// What the work of a job is counted in. Real numbers: they are multiplied with each other.
+struct JobSize {
+  double polygons = 0, facets = 0;
+  double patches = 0;         ///< of the solution
+  double coarse_patches = 0;  ///< of the estimate; 0 where the mode has none
+  double frames = 1;
+  double solved_frames = 1;  ///< expected; known once the key-frames are chosen
+  double moving_share = 0;   ///< of the area, 0 .. 1: surfaces that move or disappear in some frame
+  double lights = 0;         ///< emitting facets, and lights without a surface
+  double light_samples = 0;  ///< shadow rays per patch and light
+  double lines = 0, moving_lines = 0, estimate_lines = 0;
+  double crossings_per_line = 0;  ///< surfaces that a global line meets, on average
+  double bounces = 1;             ///< iterations of the solution
+  double pixels = 0;              ///< of all images in all frames
+  double image_samples = 0;       ///< rays through them
+  double series = 1;              ///< of radiosity that become artefacts: itself, its error, groups
+};
+
+/// Seconds that this machine takes, on one core, for the units that the costs are told in.
+struct MachinePace {
+  double line_s = 0;    ///< one global line through the facets of this scene that never move
+  double ray_s = 0;     ///< one shadow ray in it
+  double update_s = 0;  ///< one Rgb of one row added to another, rows in memory at random
+  double cores = 1;     ///< that many cores' worth of work is done at once
+};
+
+/// Frames that are solved is a guess here: a third of those of an animation, where the mode chooses them.
+/// `patches`, `coarse_patches`: as check_mesh_size counts them.
+JobSize size_of_job(const api::JobRequest& request, const Scene& scene, const Animation& animation,
+                    std::uint64_t patches, std::uint64_t coarse_patches);
+
+/// Runs lines and rays through the scene, and updates through memory, for about 50 ms in all on one core; the
+/// scene's facets are made for that, unless it has more than 200,000 polygons: then a usual pace is taken.
+/// threads: those of the run; 0: all cores.
+MachinePace measure_pace(const Scene& scene, const Animation& animation, unsigned threads);
+
+/// Seconds of each stage, by the table in forecast_costs.cpp; `scene` is 0, since it is over by then.
+StageSeconds forecast_seconds(const JobSize& size, const MachinePace& pace);
+
+/// Largest resident set of the worker, by the table in forecast_costs.cpp.  [bytes]
+std::uint64_t forecast_memory_bytes(const JobSize& size);
+
+api::Forecast forecast_of(const JobSize& size, const MachinePace& pace);
+
+}  // namespace engine

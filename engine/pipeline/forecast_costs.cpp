@@ -1,0 +1,103 @@
+// The tables that forecasts are made from. tests/bench/forecast_costs.py compares them with what jobs took,
+// and prints by which factor each stage is off: to be run, and the numbers here to be changed, whenever a
+// stage does its work another way.
+#include <algorithm>
+#include <array>
+
+#include "engine/pipeline/forecast.h"
+
+namespace engine {
+namespace {
+
+using api::Stage;
+
+/// Seconds of one core, of which all cores take a part each.
+struct Cost {
+  Stage stage;
+  bool parallel;
+  double (*seconds)(const JobSize&, const MachinePace&);
+};
+
+/// Of the estimate and the solution alike: rows that are gathered, per bounce and frame.
+double updates(const JobSize& size, double lines, double frames) {
+  return lines * size.crossings_per_line * size.bounces * frames;
+}
+
+constexpr std::array kCosts{
+    Cost{Stage::patches, true, [](auto& n, auto& m) { return (20 * n.facets + 2 * n.patches) * m.update_s; }},
+    // Its lines, coarse direct light, and the gathering of every frame.
+    Cost{Stage::estimate, true,
+         [](auto& n, auto& m) {
+           if (n.coarse_patches == 0) return 0.0;
+           return 2.0 * n.estimate_lines * m.line_s +
+                  0.5 * n.coarse_patches * n.lights * n.light_samples * m.ray_s +
+                  0.6 * updates(n, n.estimate_lines, n.frames) * m.update_s;
+         }},
+    Cost{Stage::keyframes, false,
+         [](auto& n, auto& m) { return 20 * n.coarse_patches * n.frames * m.update_s; }},
+    Cost{Stage::direct, true,
+         [](auto& n, auto& m) {
+           const double rays = 0.5 * n.patches * n.lights * n.light_samples;
+           return rays * (1.5 + 2 * n.moving_share) * m.ray_s +
+                  2 * n.patches * n.lights * n.frames * m.update_s;
+         }},
+    Cost{Stage::solve, true,
+         [](auto& n, auto& m) {
+           const double windows = n.moving_share > 0 ? n.solved_frames / 64 : 0;
+           return (2.0 * n.lines + 1.5 * n.moving_lines * windows) * m.line_s +
+                  10 * n.lines * n.crossings_per_line * m.update_s +
+                  0.6 * updates(n, n.lines, n.solved_frames) * m.update_s;
+         }},
+    Cost{Stage::interpolate, false, [](auto& n, auto& m) { return 3 * n.patches * n.frames * m.update_s; }},
+    Cost{Stage::images, true,
+         [](auto& n, auto& m) { return 2.5 * n.image_samples * m.ray_s + 60 * n.pixels * m.update_s; }},
+    Cost{Stage::publish, false,
+         [](auto& n, auto& m) {
+           return 0.01 + (6 * n.patches * n.frames * n.series + 1 * n.pixels) * m.update_s;
+         }},
+};
+
+constexpr double kRgbBytes = 12;
+
+/// The program itself, its libraries and thread stacks.
+constexpr double kProgramBytes = 60e6;
+
+double series_bytes(double patches, double frames) {
+  return kRgbBytes * patches * frames;
+}
+
+/// What a traced line keeps: its crossings, and the rows that are made of them.
+double traced_bytes(const JobSize& size, double lines) {
+  return 16 * lines * size.crossings_per_line;
+}
+
+/// Held at once while the estimate is made, the sequence solved, or put together and shown.
+double estimate_bytes(const JobSize& n) {
+  return 5 * series_bytes(n.coarse_patches, n.frames) + traced_bytes(n, n.estimate_lines / 4);
+}
+double solve_bytes(const JobSize& n) {
+  return series_bytes(n.patches, n.frames) + 3 * series_bytes(n.patches, n.solved_frames) +
+         traced_bytes(n, n.lines);
+}
+double compose_bytes(const JobSize& n) {
+  return (2 + n.series) * series_bytes(n.patches, n.frames) + series_bytes(n.patches, n.solved_frames);
+}
+
+}  // namespace
+
+StageSeconds forecast_seconds(const JobSize& size, const MachinePace& pace) {
+  StageSeconds seconds{};
+  for (const Cost& cost : kCosts)
+    seconds[static_cast<std::size_t>(cost.stage)] +=
+        cost.seconds(size, pace) / (cost.parallel ? pace.cores : 1);
+  return seconds;
+}
+
+std::uint64_t forecast_memory_bytes(const JobSize& size) {
+  const double always = kProgramBytes + 400 * size.polygons + 1200 * size.facets + 16 * size.patches;
+  const double images = size.pixels > 0 ? 20e6 : 0;
+  const double most = std::max({estimate_bytes(size), solve_bytes(size), compose_bytes(size) + images});
+  return static_cast<std::uint64_t>(always + most);
+}
+
+}  // namespace engine
