@@ -1,5 +1,6 @@
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,19 +19,29 @@ namespace {
 /// A check writes its report and nothing else.
 constexpr std::uint64_t kFileBytesMax = 16u << 20;
 
-api::Status run_check(const JobFolder& folder, const Checker& checker, api::JobReport& report) {
+api::Status run_check(const JobFolder& folder, unsigned threads, const Checker& checker,
+                      api::JobReport& report) {
   const auto request = read_job_request(folder);
   if (!request) return request.error();
-  return checker(*request, folder.input(), report);
+  return checker(*request, folder.input(), threads, report);
 }
 
 /// ": 45 polygons, 49208 patches, 120 frames"
 std::string counted(const api::JobReport& report) {
   std::string text;
   for (const auto& [name, count] : report.counts) {
-    if (name == "wall_seconds") continue;
+    if (name.ends_with("_seconds")) continue;
     text += (text.empty() ? ": " : ", ") + std::to_string(static_cast<std::uint64_t>(count)) + " " + name;
   }
+  return text;
+}
+
+/// "; a run takes about 61 s and 250 MiB"
+std::string forecast_text(const std::optional<api::Forecast>& forecast) {
+  if (!forecast) return {};
+  char text[80];
+  std::snprintf(text, sizeof text, "; a run takes about %.3g s and %llu MiB", forecast->seconds,
+                static_cast<unsigned long long>(forecast->memory_bytes >> 20));
   return text;
 }
 
@@ -73,10 +84,11 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker) {
   locked = &folder.emplace(std::move(*opened));
 
   api::JobReport report;
-  const api::Status status = without_exceptions([&] { return run_check(*folder, checker, report); });
+  const api::Status status =
+      without_exceptions([&] { return run_check(*folder, command.threads, checker, report); });
   complete_report(status, seconds_since(start), report);
   tell_report(report);
-  if (status) tell("the job is sound" + counted(report));
+  if (status) tell("the job is sound" + counted(report) + forecast_text(report.forecast));
   const api::Status written = write_report(*folder, report);
   if (!written) tell("report.json: " + written.error().message);
   return exit_code_of(status ? written : status);

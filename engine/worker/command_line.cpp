@@ -102,6 +102,7 @@ api::Result<Command> parse_check(std::span<const std::string_view> words) {
     if (word.name == "--memory-mb")
       return take_number(word, kCheckMemoryMbMin, kCheckMemoryMbMax, command.memory_mb);
     if (word.name == "--seconds") return take_number(word, 1, kCheckSecondsMax, command.seconds);
+    if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
     if (word.name == "--parent") return take_process(word, command.parent);
     return usage_error("unknown option " + std::string(word.name));
   });
@@ -126,7 +127,7 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
 
 std::string usage_line() {
   return "usage: keylume render JOB_FOLDER [--threads N] [--parent PID]\n"
-         "       keylume check JOB_FOLDER [--memory-mb N] [--seconds N] [--parent PID]\n"
+         "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID]\n"
          "       keylume --help | --version\n";
 }
 
@@ -135,10 +136,12 @@ std::string help_text() {
 render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what they name) and leaves
          JOB_FOLDER/artefacts, with manifest.json written last: where it stands, every artefact is whole.
          Appends one line of JSON per step to progress.ndjson and writes report.json, also on failure.
+         Where an earlier run was stopped or killed, it goes on from what that left in JOB_FOLDER/checkpoint.
   --threads N     use N threads instead of all cores; the results are the same bytes
   --parent PID    for supervisors: end when process PID ends, or when standard input closes
 
-check    Reads the job and cuts its scene into patches, nothing more; writes report.json.
+check    Reads the job, counts its patches and forecasts what a run takes; writes report.json.
+  --threads N     forecast for a run with N threads instead of all cores
   --memory-mb N   at most N MiB of memory for the job (2048)
   --seconds N     at most N seconds of processor time (60)
   --parent PID    as for render

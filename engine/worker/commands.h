@@ -22,7 +22,7 @@ using Pipeline = std::function<api::Status(const api::JobRequest&, const std::fi
 
 /// As engine::check_job. May throw.
 using Checker = std::function<api::Status(const api::JobRequest&, const std::filesystem::path& input_folder,
-                                          api::JobReport&)>;
+                                          unsigned threads, api::JobReport&)>;
 
 /// One attempt at a job: locks the folder, clears leftovers, runs `pipeline`, writes progress.ndjson and
 /// report.json. Returns within 1 s after SIGTERM or SIGINT, or ends the process. Call from main, once.

@@ -1,4 +1,5 @@
-// JOB_FOLDER and who may work in it: input/, artefacts/, progress.ndjson, report.json, .lock.
+// JOB_FOLDER and who may work in it: input/, artefacts/, checkpoint/, progress.ndjson, report.json,
+// .lock.
 #pragma once
 
 #include <chrono>
@@ -27,6 +28,8 @@ class JobFolder {
 
   std::filesystem::path input() const { return path_ / "input"; }
   std::filesystem::path artefacts() const { return path_ / "artefacts"; }
+  /// What a killed attempt leaves for the next one; see engine/base/checkpoint.h.
+  std::filesystem::path checkpoint() const { return path_ / "checkpoint"; }
   std::filesystem::path progress() const { return path_ / "progress.ndjson"; }
   std::filesystem::path report() const { return path_ / "report.json"; }
 

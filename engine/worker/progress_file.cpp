@@ -20,6 +20,12 @@ double held_to_unit(double fraction) {
   return fraction > 0 ? std::min(fraction, 1.0) : 0.0;
 }
 
+/// A line that is told later than it was made: of the time that was left, so much has passed.
+api::ProgressLine aged(api::ProgressLine line, std::chrono::duration<double> age) {
+  if (line.seconds_left) line.seconds_left = std::max(*line.seconds_left - age.count(), 0.0);
+  return line;
+}
+
 bool ends_with_newline(int file) {
   struct stat about {};
   char last = '\n';
@@ -57,6 +63,7 @@ void ProgressFile::report(api::ProgressLine line) {
   line.fraction = std::max(held_to_unit(line.fraction), newest_ ? newest_->fraction : 0.0);
   const bool pacer_knows = newest_ && unwritten_;
   newest_ = std::move(line);
+  newest_came_ = Clock::now();
   unwritten_ = true;
   if (new_stage || Clock::now() - last_written_ >= pace_.apart) write_newest();
   if (!pacer_knows) changed_.notify_all();
@@ -87,7 +94,7 @@ void ProgressFile::write_newest() {
   last_written_ = Clock::now();
   // A leading newline ends a line that a crash or a full disk cut off.
   std::string line(at_line_start_ ? "" : "\n");
-  line += api::progress_line_json(*newest_) + '\n';
+  line += api::progress_line_json(aged(*newest_, last_written_ - newest_came_)) + '\n';
   ssize_t written = -1;
   do written = write(file_, line.data(), line.size());
   while (written < 0 && errno == EINTR);

@@ -50,6 +50,7 @@ class ProgressFile {
   bool unwritten_ = false;
   bool at_line_start_;
   bool closing_ = false;
+  Clock::time_point newest_came_{};
   Clock::time_point last_written_{};
   std::thread pacer_;
 };

@@ -57,6 +57,7 @@ api::Status run_attempt(const JobFolder& folder, const Pipeline& pipeline, const
     narrator.hear(line);
   };
   hooks.stop_requested = [&] { return watch.stop_requested(); };
+  hooks.checkpoint_folder = folder.checkpoint();
   return pipeline(*request, folder.input(), folder.artefacts(), hooks, report);
 }
 

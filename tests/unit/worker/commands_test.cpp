@@ -57,6 +57,17 @@ TEST_F(Render, ThePipelineGetsTheJobAndItsFoldersAndNoOldManifest) {
   EXPECT_EQ(folder_.read("artefacts/manifest.json"), "new");
 }
 
+TEST_F(Render, CheckpointsLieBesideTheArtefactsAndOutliveAnAttempt) {
+  folder_.write("checkpoint/solve", "from an earlier attempt");
+  EXPECT_EQ(run([&](const engine::RunHooks& hooks, api::JobReport&) -> api::Status {
+              EXPECT_EQ(hooks.checkpoint_folder, folder_.path / "checkpoint");
+              EXPECT_TRUE(fs::exists(hooks.checkpoint_folder / "solve"));
+              return api::Error{Fault::stopped, "told to stop"};
+            }),
+            ExitCode::stopped);
+  EXPECT_TRUE(folder_.has("checkpoint/solve"));
+}
+
 TEST_F(Render, ASuccessIsReportedWithTimeAndMemoryAndWhatThePipelineFilledIn) {
   EXPECT_EQ(run([](const engine::RunHooks& hooks, api::JobReport& report) -> api::Status {
               hooks.progress({api::Stage::scene, 1, 0.1, ""});
@@ -153,22 +164,34 @@ class Check : public testing::Test {
 
 TEST_F(Check, ASoundJobIsOkAndItsArtefactsStay) {
   folder_.write("artefacts/manifest.json", "{}");
-  EXPECT_EQ(
-      run([](const api::JobRequest& request, const fs::path& input, api::JobReport& report) -> api::Status {
-        EXPECT_EQ(request.frame_count, 2u);
-        EXPECT_TRUE(fs::exists(input / "animation.json"));
-        report.counts = {{"patches", 600}};
-        return api::Done{};
-      }),
-      ExitCode::ok);
+  EXPECT_EQ(run([](const api::JobRequest& request, const fs::path& input, unsigned,
+                   api::JobReport& report) -> api::Status {
+              EXPECT_EQ(request.frame_count, 2u);
+              EXPECT_TRUE(fs::exists(input / "animation.json"));
+              report.counts = {{"patches", 600}};
+              return api::Done{};
+            }),
+            ExitCode::ok);
   EXPECT_EQ(report().outcome, "succeeded");
   EXPECT_EQ(report().counts[0].second, 600);
   EXPECT_TRUE(folder_.has("artefacts/manifest.json"));
 }
 
+TEST_F(Check, TheForecastIsForTheThreadsThatAreNamed) {
+  unsigned told = 99;
+  const engine::Checker checker = [&](const auto&, const auto&, unsigned threads, auto&) -> api::Status {
+    told = threads;
+    return api::Done{};
+  };
+  EXPECT_EQ(run(checker), ExitCode::ok);
+  EXPECT_EQ(told, 0u) << "all cores";
+  EXPECT_EQ(engine::check({.job_folder = folder_.path, .threads = 3}, checker), ExitCode::ok);
+  EXPECT_EQ(told, 3u);
+}
+
 TEST_F(Check, RunsWithLimitsOnMemoryTimeFilesAndCores) {
   EXPECT_EQ(engine::check({.job_folder = folder_.path, .memory_mb = 4096, .seconds = 7},
-                          [](const auto&, const auto&, auto&) -> api::Status {
+                          [](const auto&, const auto&, unsigned, auto&) -> api::Status {
                             const auto soft = [](auto resource) {
                               rlimit limit{};
                               getrlimit(resource, &limit);
@@ -187,7 +210,7 @@ TEST_F(Check, RunsWithLimitsOnMemoryTimeFilesAndCores) {
 
 TEST_F(Check, ViolationsAreReportedWithInvalidInput) {
   EXPECT_EQ(
-      run([](const auto&, const auto&, auto&) -> api::Status {
+      run([](const auto&, const auto&, unsigned, auto&) -> api::Status {
         return api::Error{Fault::invalid_request, "refused", {{"scene.obj", "", 9, 2, "syntax", "what?"}}};
       }),
       ExitCode::invalid_input);
@@ -197,13 +220,13 @@ TEST_F(Check, ViolationsAreReportedWithInvalidInput) {
 
 TEST_F(Check, ABadAnimationIsInvalidInput) {
   folder_.write("input/animation.json", "{");
-  EXPECT_EQ(run([](const auto&, const auto&, auto&) -> api::Status { return api::Done{}; }),
+  EXPECT_EQ(run([](const auto&, const auto&, unsigned, auto&) -> api::Status { return api::Done{}; }),
             ExitCode::invalid_input);
   EXPECT_EQ(report().violations.size(), 1u);
 }
 
 TEST_F(Check, AskingForMoreThanIsAllowedIsLimitExceeded) {
-  EXPECT_EQ(run([](const auto&, const auto&, auto&) -> api::Status {
+  EXPECT_EQ(run([](const auto&, const auto&, unsigned, auto&) -> api::Status {
               return api::Error{Fault::out_of_resources, "more than 16 million patches"};
             }),
             ExitCode::limit_exceeded);

@@ -86,7 +86,8 @@ int main(int argc, char** argv) {
     hooks.progress({api::Stage::solve, 0.5, 0.5, "begun"});
     return behaviour->second(hooks, artefacts);
   };
-  const auto checker = [&](const api::JobRequest&, const std::filesystem::path& input, api::JobReport&) {
+  const auto checker = [&](const api::JobRequest&, const std::filesystem::path& input, unsigned,
+                           api::JobReport&) {
     std::ofstream(input.parent_path() / "begun") << "begun";
     return behaviour->second({}, input.parent_path());
   };
