@@ -60,8 +60,8 @@ struct LightingOptions {
   /// Error falls as 1/sqrt(line_count), time grows with it.  [lines] 1e3 .. 1e9
   std::uint64_t line_count = 4'000'000;
 
-  /// Of these lines, those that the moving objects are traced against too; not more than line_count.
-  /// [lines] 1e3 .. 1e9
+  /// Of these lines, those that the moving objects are traced against too; not more than line_count, to which
+  /// it is lowered where the JSON gives only that.  [lines] 1e3 .. 1e9
   std::uint64_t moving_line_count = 2'000'000;
 
   /// Instead of line counts: lines and shadow rays are added until the noise of the radiosity, its
@@ -103,8 +103,8 @@ struct LightingOptions {
   Interpolation interpolation = Interpolation::linear;
   Interpolated interpolated = Interpolated::indirect;
 
-  /// Groups of lights, by name: materials that emit and lights of the scene. Each group's radiosity is an
-  /// artefact of its own; what no group names is in the group "". At most 8 groups.
+  /// Names of emitting materials and of lights, by name of group: 1 to 64 of A-Z a-z 0-9 _ -, not "se". Each
+  /// group's radiosity is an artefact, radiosity_<name>.npy; "" has the rest. At most 8; no light is in two.
   std::map<std::string, std::vector<std::string>> light_groups;
 
   /// The same job and seed give the same bytes, whatever the thread count.  0 .. 2^53 - 1
