@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <set>
+#include <string_view>
+
 #include "api/pointer_step.h"
 #include "api/refusal_text.h"
 #include "engine/scene/clean_polygons.h"
@@ -15,6 +19,7 @@ constexpr const char* kObj = "scene.obj";
 constexpr const char* kAnimation = "animation.json";
 
 using Violations = std::vector<api::Violation>;
+using Objects = std::map<std::string, api::ObjectAnimation>;
 
 /// [0] is "", then the objects of animation.json in the order of the map.
 std::vector<std::string> animated_names(const api::SceneDescription& description) {
@@ -33,20 +38,42 @@ void check_objects(const ObjFile& obj, const std::vector<std::string>& animated,
   }
 }
 
-void warn_about_idle_objects(Scene& scene) {
+/// Of objects or lights, in `section` of animation.json: is what carries them animated?
+template <class Carried>
+void check_parents(const std::string& section, const std::map<std::string, Carried>& all_carried,
+                   const Objects& objects, const std::vector<std::string>& animated, Violations& all) {
+  for (const auto& [name, carried] : all_carried) {
+    const bool known = carried.parent.empty() || objects.contains(carried.parent);
+    if (known || all.size() >= api::kViolationsMax) continue;
+    all.push_back({kAnimation, "/" + section + "/" + api::pointer_step(name) + "/parent", 0, 0,
+                   "unknown_parent",
+                   "'objects' has no " + excerpt(carried.parent) + did_you_mean(carried.parent, animated)});
+  }
+}
+
+/// One that carries others needs no faces.
+void warn_about_idle_objects(const api::SceneDescription& description, Scene& scene) {
   std::vector<bool> used(scene.objects.size(), false);
   for (const Polygon& polygon : scene.polygons) used[polygon.object] = true;
+  std::set<std::string_view> parents;
+  for (const auto& [name, object] : description.objects) parents.insert(object.parent);
+  for (const auto& [name, light] : description.lights) parents.insert(light.parent);
   for (std::size_t i = 1; i < used.size(); ++i)
-    if (!used[i])
+    if (!used[i] && !parents.contains(scene.objects[i].name))
       scene.warnings.push_back(std::string(kAnimation) + ": object " + excerpt(scene.objects[i].name) +
                                " has no faces of its own (a group that is animated too takes them)");
 }
 
+bool is_ever_positive(const api::Track<api::Vec3>& track) {
+  return std::any_of(track.keys.begin(), track.keys.end(), [](const auto& key) {
+    return key.value[0] > 0 || key.value[1] > 0 || key.value[2] > 0;
+  });
+}
+
 bool emits(const Material& material, const api::SceneDescription& description) {
   const auto settings = description.materials.find(material.name);
-  if (settings != description.materials.end())
-    for (const auto& key : settings->second.exitance_w_m2.keys)
-      if (key.value[0] > 0 || key.value[1] > 0 || key.value[2] > 0) return true;
+  if (settings != description.materials.end() && is_ever_positive(settings->second.exitance_w_m2))
+    return true;
   return max_channel(material.exitance_w_m2) > 0;
 }
 
@@ -56,10 +83,15 @@ void check_light(const Scene& scene, const api::SceneDescription& description, V
   for (const Polygon& polygon : scene.polygons) used[polygon.material] = true;
   for (std::size_t i = 0; i < used.size(); ++i)
     if (used[i] && emits(scene.materials[i], description)) return;
-  all.push_back(
-      {kAnimation, "", 0, 0, "no_light",
-       "nothing emits light in any frame: give a material 'exitance_w_m2' in animation.json or Ke in its "
-       "MTL file, or set 'allow_dark'"});
+  for (const auto& [name, light] : description.lights)
+    if (is_ever_positive(light.intensity)) return;
+  all.push_back({kAnimation, "", 0, 0, "no_light",
+                 "nothing emits light in any frame: give a material 'exitance_w_m2' in animation.json or Ke "
+                 "in its MTL file, or add 'lights', or set 'allow_dark'"});
+}
+
+api::Error stopped() {
+  return {api::Fault::stopped, "stopped while reading the scene"};
 }
 
 api::Error refused(Violations all) {
@@ -75,7 +107,8 @@ api::Result<Texture> refuse_texture(const std::filesystem::path&, std::size_t) {
 
 api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
                               const api::SceneDescription& description, const SceneLimits& limits,
-                              const TextureReader& texture_reader) {
+                              const TextureReader& texture_reader,
+                              const std::function<bool()>& stop_requested) {
   const std::vector<std::string> animated = animated_names(description);
   if (animated.size() > limits.objects)
     return api::Error{api::Fault::out_of_resources,
@@ -84,18 +117,23 @@ api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
                         "more than " + std::to_string(limits.objects) + " objects"}}};
   Violations all;
   FileViolations in_obj{kObj, all};
-  auto obj = read_obj_file(input_folder / kObj, animated, description.metres_per_unit, limits, in_obj);
+  auto obj = read_obj_file(input_folder / kObj, animated, description.metres_per_unit, limits, in_obj,
+                           stop_requested);
   if (!obj) return obj.error();
   if (in_obj.full()) return refused(std::move(all));
+  if (stop_requested()) return stopped();
 
   Scene scene;
   obj->ignored.report(kObj, scene.warnings);
   if (obj->face_statements == 0)
     in_obj.add(0, 0, "no_faces", "there is no polygon ('f') in the file: nothing to light");
   check_objects(*obj, animated, all);
+  check_parents("objects", description.objects, description.objects, animated, all);
+  check_parents("lights", description.lights, description.objects, animated, all);
   auto materials = resolve_materials(*obj, list_input_files(input_folder), description, limits,
                                      texture_reader, all, scene.warnings);
   if (!materials) return materials.error();
+  if (stop_requested()) return stopped();
   if (!all.empty()) return refused(std::move(all));
 
   scene.vertices = std::move(obj->vertices);
@@ -115,7 +153,7 @@ api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
   else
     check_light(scene, description, all);
   if (!all.empty()) return refused(std::move(all));
-  warn_about_idle_objects(scene);
+  warn_about_idle_objects(description, scene);
   return scene;
 }
 

@@ -16,6 +16,7 @@ constexpr std::uint32_t kCornersMax = 64;
 constexpr double kCoordinateMax = 1e7;  // single precision leaves 1 unit there
 constexpr double kUvMax = 1e30;         // beyond, single precision has no number; it repeats anyway
 constexpr std::size_t kSuggestionsMax = 2000;
+constexpr std::uint64_t kStatementsPerPoll = 10'000;  // a few milliseconds
 
 /// What an index of a face corner counts: v, vt, vn.
 enum IndexKind { position, texture, normal, kind_count };
@@ -35,10 +36,12 @@ using NameIndex = std::unordered_map<std::string, std::uint32_t, NameHash, std::
 class ObjReader {
  public:
   ObjReader(std::span<const std::string> animated, double metres_per_unit, const SceneLimits& limits,
-            FileViolations& violations, const std::optional<Counts>& final_counts)
+            FileViolations& violations, const std::function<bool()>& stop_requested,
+            const std::optional<Counts>& final_counts)
       : metres_per_unit_(metres_per_unit),
         limits_(limits),
         violations_(violations),
+        stop_requested_(stop_requested),
         final_counts_(final_counts) {
     for (std::uint32_t i = 1; i < animated.size(); ++i) animated_.emplace(animated[i], i);
     obj_.animated_seen.assign(animated.size(), false);
@@ -77,6 +80,7 @@ class ObjReader {
   const double metres_per_unit_;
   const SceneLimits& limits_;
   FileViolations& violations_;
+  const std::function<bool()>& stop_requested_;
   const std::optional<Counts> final_counts_;
   ObjFile obj_;
   Counts counts_{};
@@ -108,7 +112,9 @@ api::Result<ObjFile> ObjReader::read(const std::filesystem::path& file) {
                       violations_.file + " cannot be opened",
                       {{violations_.file, "", 0, 0, "missing_file", "there is no such file in the job"}}};
   Statement statement;
-  while (!violations_.full()) {
+  for (std::uint64_t count = 0; !violations_.full(); ++count) {
+    if (count % kStatementsPerPoll == 0 && stop_requested_())
+      return api::Error{api::Fault::stopped, "stopped while reading " + violations_.file};
     switch (reader.next(statement)) {
       case ReadStep::end:
         if (!obj_.corner_uvs.empty()) obj_.corner_uvs.resize(obj_.corners.size(), kNoIndex);
@@ -406,14 +412,14 @@ void ObjReader::take_libraries(Tokens& words, const Token& keyword) {
 
 api::Result<ObjFile> read_obj_file(const std::filesystem::path& file, std::span<const std::string> animated,
                                    double metres_per_unit, const SceneLimits& limits,
-                                   FileViolations& violations) {
+                                   FileViolations& violations, const std::function<bool()>& stop_requested) {
   const std::size_t violations_before = violations.all.size();
-  ObjReader reader(animated, metres_per_unit, limits, violations, std::nullopt);
+  ObjReader reader(animated, metres_per_unit, limits, violations, stop_requested, std::nullopt);
   api::Result<ObjFile> obj = reader.read(file);
   if (!obj || violations.full() || !reader.trust_misplaced()) return obj;
   violations.all.resize(violations_before);
   obj = ObjFile{};
-  ObjReader again(animated, metres_per_unit, limits, violations, reader.counts());
+  ObjReader again(animated, metres_per_unit, limits, violations, stop_requested, reader.counts());
   return again.read(file);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -36,9 +37,10 @@ struct ObjFile {
 /// Reads the file; violations (with line and column) are added to `violations`, which it stops at when full.
 /// `animated` [1 ...] are the o and g names that get an object of their own; animated[0] is "".
 /// Vertices are scaled by `metres_per_unit`.
-/// Error: out_of_resources beyond `limits`, invalid_request (missing_file) where there is no such file.
+/// Error: stopped, out_of_resources beyond `limits`, invalid_request (missing_file) where there is no such
+/// file.
 api::Result<ObjFile> read_obj_file(const std::filesystem::path& file, std::span<const std::string> animated,
                                    double metres_per_unit, const SceneLimits& limits,
-                                   FileViolations& violations);
+                                   FileViolations& violations, const std::function<bool()>& stop_requested);
 
 }  // namespace engine

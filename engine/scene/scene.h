@@ -96,14 +96,18 @@ api::Result<Texture> refuse_texture(const std::filesystem::path& texture, std::s
 ///   missing_file                an MTL file or texture that is named but not in `input_folder`
 ///   unknown_material            usemtl names a material no MTL file has; or animation.json does
 ///   unknown_object              animation.json names an object or group that the OBJ lacks
+///   unknown_parent              an object or light is carried by what `description.objects` has not
 ///   out_of_range                |coordinate| > 1e7 units or metres, Kd < 0 or >= 1, Ke < 0. Kd of exactly 1
 ///                               is refused too: such light never dies
 ///   unreadable_texture          what `texture_reader` says
-///   no_light                    no polygon emits in any frame, unless `description.allow_dark` (file
-///                               animation.json, pointer "": that is where light is most easily added)
-/// out_of_resources, code limit_exceeded: beyond `limits`. internal: the file system fails.
-api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
-                              const api::SceneDescription& description, const SceneLimits& limits = {},
-                              const TextureReader& texture_reader = refuse_texture);
+///   no_light                    neither a polygon nor a light of `description` emits in any frame, unless
+///                               `description.allow_dark` (file animation.json, pointer "": that is where
+///                               light is most easily added)
+/// out_of_resources, code limit_exceeded: beyond `limits`. internal: the file system fails. stopped: where
+/// `stop_requested`, which is asked every few milliseconds while the OBJ is read, and then now and then.
+api::Result<Scene> load_scene(
+    const std::filesystem::path& input_folder, const api::SceneDescription& description,
+    const SceneLimits& limits = {}, const TextureReader& texture_reader = refuse_texture,
+    const std::function<bool()>& stop_requested = [] { return false; });
 
 }  // namespace engine

@@ -206,5 +206,60 @@ TEST(LoadScene, ALightThatNoFaceHasIsNoLight) {
   EXPECT_EQ(places_of(scene.error()), "animation.json  no_light\n");
 }
 
+TEST(LoadScene, ALightWithoutASurfaceIsALight) {
+  SceneFolder folder;
+  folder.with("scene.obj", kSquare + "f 1 2 3 4\n");
+  api::SceneDescription description;
+  description.lights["sun"].intensity.keys = {{0, {0, 0, 0}}, {5, {0, 0, 2}}};
+  EXPECT_TRUE(load_scene(folder.path(), description));
+  description.lights["sun"].intensity.keys[1].value = {0, 0, 0};
+  const auto dark_scene = load_scene(folder.path(), description);
+  ASSERT_FALSE(dark_scene);
+  EXPECT_EQ(places_of(dark_scene.error()), "animation.json  no_light\n");
+}
+
+TEST(LoadScene, NamesParentsThatAreNotAnimated) {
+  SceneFolder folder;
+  folder.with("scene.obj", kSquare + "o car\nf 1 2 3\no wheel\nf 1 3 4\n");
+  api::SceneDescription description = dark();
+  description.objects["car"];
+  description.objects["wheel"].parent = "car";
+  description.lights["headlight"].parent = "car";
+  ASSERT_TRUE(load_scene(folder.path(), description));
+  description.objects["wheel"].parent = "cart";
+  description.lights["headlight"].parent = "somewhere else";
+  const auto scene = load_scene(folder.path(), description);
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(places_of(scene.error()),
+            "animation.json /objects/wheel/parent unknown_parent\n"
+            "animation.json /lights/headlight/parent unknown_parent\n");
+  EXPECT_NE(scene.error().violations[0].detail.find("did you mean \"car\"?"), std::string::npos);
+}
+
+TEST(LoadScene, AnObjectThatCarriesOthersNeedsNoFaces) {
+  SceneFolder folder;
+  folder.with("scene.obj", kSquare + "o car\no wheel\nf 1 2 3\no idle\no wheel\nf 1 3 4\n");
+  api::SceneDescription description = dark();
+  description.objects["car"];
+  description.objects["idle"];
+  description.objects["wheel"].parent = "car";
+  const auto scene = load_scene(folder.path(), description);
+  ASSERT_TRUE(scene) << places_of(scene.error());
+  EXPECT_TRUE(has_warning(*scene, "object 'idle' has no faces"));
+  EXPECT_FALSE(has_warning(*scene, "object 'car' has no faces"));
+}
+
+TEST(LoadScene, StopsWhenAskedTo) {
+  std::string obj = kSquare;
+  for (int i = 0; i < 50'000; ++i) obj += "f 1 2 3\n";
+  SceneFolder folder;
+  folder.with("scene.obj", obj);
+  int asked = 0;
+  const auto scene = load_scene(folder.path(), dark(), {}, refuse_texture, [&] { return ++asked == 3; });
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().fault, api::Fault::stopped);
+  EXPECT_EQ(asked, 3) << "while it reads, and no more after";
+}
+
 }  // namespace
 }  // namespace engine
