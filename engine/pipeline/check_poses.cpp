@@ -129,11 +129,22 @@ void survey_object(const Shape& shape, const std::string& name, const ObjectMoti
   survey.worst_object = name;
 }
 
+/// False for what is no number too.
+bool is_near(Vec3 p) {
+  return std::abs(p.x) <= kCoordinateMax && std::abs(p.y) <= kCoordinateMax &&
+         std::abs(p.z) <= kCoordinateMax;
+}
+
+void survey_sources(const Animation& animation, Survey& survey) {
+  for (const SourceMotion& source : animation.emission.sources) {
+    const auto far = std::find_if_not(source.position.begin(), source.position.end(), is_near);
+    if (far != source.position.end())
+      survey.violations.push_back(
+          too_far("/lights/", source.name, static_cast<FrameIndex>(far - source.position.begin())));
+  }
+}
+
 void survey_cameras(const Animation& animation, Survey& survey) {
-  const auto is_near = [](Vec3 p) {
-    return std::abs(p.x) <= kCoordinateMax && std::abs(p.y) <= kCoordinateMax &&
-           std::abs(p.z) <= kCoordinateMax;
-  };
   for (const auto& [name, poses] : animation.cameras) {
     const auto far = std::find_if(poses.begin(), poses.end(), [&](const CameraPose& pose) {
       return !is_near(pose.position) || !is_near(pose.target);
@@ -162,6 +173,7 @@ api::Status check_poses(const Scene& scene, const Animation& animation, std::vec
   for (std::size_t k = 0; k < shapes.size(); ++k)
     if (!shapes[k].box.is_empty())
       survey_object(shapes[k], scene.objects[k].name, animation.objects[k], animation.frame_count, survey);
+  survey_sources(animation, survey);
   survey_cameras(animation, survey);
   if (survey.violations.empty()) {
     warn(survey, warnings);

@@ -21,10 +21,10 @@ inline constexpr double kSpreadMax = 1e3;
 /// warning: normals are then off by so many radians.
 inline constexpr double kRoundingMax = 1e-3;
 
-/// Places the box of every object (so a point of its corners, not of its surface, is what counts) and every
-/// camera in each frame. Adds to `warnings`.
-/// Error invalid_request with a violation out_of_range in animation.json for every object and camera beyond
-/// kCoordinateMax, up to kViolationsMax.
+/// Places the box of every object (so a point of its corners, not of its surface, is what counts), every
+/// light and every camera in each frame, parents included. Adds to `warnings`. Error invalid_request with a
+/// violation out_of_range in animation.json for every object, light and camera beyond kCoordinateMax, up to
+/// kViolationsMax.
 api::Status check_poses(const Scene& scene, const Animation& animation, std::vector<std::string>& warnings);
 
 }  // namespace engine

@@ -1,5 +1,6 @@
 #include "engine/pipeline/run_pipeline.h"
 
+#include "engine/animation/check_light_groups.h"
 #include "engine/base/parallel.h"
 #include "engine/image/texture_file.h"
 #include "engine/pipeline/check_poses.h"
@@ -33,12 +34,13 @@ void count_scene(const Scene& scene, const PatchCount& count, std::uint32_t fram
 
 /// All that can refuse a job, before anything that takes long or much memory.
 api::Result<PreparedJob> prepare(const api::JobRequest& request, const std::filesystem::path& input_folder,
-                                 api::JobReport& report) {
-  auto scene = load_scene(input_folder, request.scene, {}, read_texture);
+                                 const std::function<bool()>& stop_requested, api::JobReport& report) {
+  auto scene = load_scene(input_folder, request.scene, {}, read_texture, stop_requested);
   if (!scene) return scene.error();
   report.warnings = scene->warnings;
   if (auto s = check_request_size(request, scene->objects.size()); !s) return s.error();
   Animation animation = animate(*scene, request);
+  if (auto s = check_light_groups(*scene, animation, request, report.warnings); !s) return s.error();
   if (auto s = check_poses(*scene, animation, report.warnings); !s) return s.error();
   const auto meshes = check_mesh_size(request, *scene);
   if (!meshes) return meshes.error();
@@ -100,7 +102,7 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
   StageClock clock(hooks, report);
   clock.begin(api::Stage::scene);
   Checkpoints checkpoints = open_checkpoints(hooks.checkpoint_folder, input_folder);
-  const auto job = prepare(request, input_folder, report);
+  const auto job = prepare(request, input_folder, hooks.stop_requested, report);
   if (!job) return job.error();
   expect_forecast(clock, job->size, forecast_job(*job, thread_count(), report));
 
@@ -126,7 +128,8 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
 
 api::Status check_job(const api::JobRequest& request, const std::filesystem::path& input_folder,
                       unsigned threads, api::JobReport& report) {
-  const auto job = prepare(request, input_folder, report);
+  const auto job = prepare(
+      request, input_folder, [] { return false; }, report);
   if (!job) return job.error();
   (void)forecast_job(*job, threads, report);
   return api::Done{};

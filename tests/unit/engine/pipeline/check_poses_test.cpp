@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/unit/image/rooms.h"
 
 namespace engine {
@@ -90,6 +92,35 @@ TEST(CheckPoses, AnObjectWithoutPolygonsMayBeAnywhere) {
   Animation animation = tests::still(scene, 10);
   animation.objects[2].spans = {{0, 9, tests::moved_to(1e300, 0, 0)}};
   EXPECT_EQ(warnings_of(scene, animation), Warnings{});
+}
+
+TEST(CheckPoses, ALightThatGoesTooFarIsNamedWithItsFirstFrameThere) {
+  const Scene scene = room_and_box();
+  Animation animation = tests::still(scene, 10);
+  SourceMotion torch{"a/torch", api::LightType::point, std::vector<Vec3>(10), {{0, 0, 1}}, {{1, 1, 1}}};
+  for (std::size_t f = 0; f < 10; ++f) torch.position[f] = {2, 2, f < 7 ? 2.f : -1.1e7f};
+  animation.emission.sources = {torch};
+  EXPECT_EQ(refused_at(scene, animation),
+            "/lights/a~1torch: 'a/torch' is more than 1e+07 m from the origin in frame 7");
+  animation.emission.sources[0].position[7] = {2, std::numeric_limits<float>::quiet_NaN(), 2};
+  EXPECT_NE(refused_at(scene, animation).find("in frame 7"), std::string::npos);
+  animation.emission.sources[0].position = {{2, 2, 2}};
+  EXPECT_EQ(refused_at(scene, animation), "accepted");
+}
+
+// Each of them stays near; together they do not.
+TEST(CheckPoses, AnObjectCarriedTooFarByItsParentIsNamed) {
+  const Scene scene = room_and_box();
+  api::JobRequest request;
+  request.frame_count = 10;
+  api::ObjectAnimation& box = request.scene.objects["a/b"];
+  box.parent = "cart";
+  box.translate.keys = {{0, {6e6, 0, 0}}};
+  request.scene.objects["cart"].translate.keys = {{0, {0, 0, 0}}, {9, {9e6, 0, 0}}};
+  EXPECT_EQ(refused_at(scene, animate(scene, request)),
+            "/objects/a~1b: 'a/b' is more than 1e+07 m from the origin in frame 4");
+  request.scene.objects["cart"].translate.keys[1].value[0] = 3e6;
+  EXPECT_EQ(refused_at(scene, animate(scene, request)), "accepted");
 }
 
 TEST(CheckPoses, AThousandRoomsBetweenWhatMovesAndWhatRestsIsWarnedAbout) {
