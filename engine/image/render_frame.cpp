@@ -15,48 +15,101 @@ namespace {
 /// Rows per parallel chunk, so that a stop is noticed in time.
 constexpr std::uint32_t kBandRows = 8;
 
-/// Adds a sample's blend to the pixel's, which starts at `first`. Samples of one pixel mostly share nodes.
-void add_blend(const NodeBlend& blend, float share, std::size_t first, std::vector<NodeWeight>& pixel) {
-  for (std::uint32_t c = 0; c < blend.count; ++c) {
-    const NodeWeight added{blend.nodes[c].node, blend.nodes[c].weight * share};
-    const auto known = std::find_if(pixel.begin() + static_cast<std::ptrdiff_t>(first), pixel.end(),
-                                    [&](const NodeWeight& other) { return other.node == added.node; });
-    if (known == pixel.end())
-      pixel.push_back(added);
-    else
-      known->weight += added.weight;
-  }
+/// Adds to a pixel's blend, which starts at `first`. Samples of one pixel mostly share nodes.
+template <class Weighted>
+void add_weight(const Weighted& added, std::size_t first, std::vector<Weighted>& pixel) {
+  const auto known = std::find_if(pixel.begin() + static_cast<std::ptrdiff_t>(first), pixel.end(),
+                                  [&](const Weighted& other) { return other.node == added.node; });
+  if (known == pixel.end())
+    pixel.push_back(added);
+  else
+    known->weight = known->weight + added.weight;
 }
 
-/// Appends the blend of one pixel. `moving`: none, to see the static facets only.
-void trace_pixel(const ShadedScene& stage, const PinholeCamera& camera, const MovingRays* moving,
-                 std::uint32_t slot, std::span<const SubPixel> samples, std::uint32_t x, std::uint32_t y,
-                 std::vector<NodeWeight>& pixel) {
-  const std::size_t first = pixel.size();
-  const float share = 1.0f / static_cast<float>(samples.size());
+/// Where the last pixel of a row that is being filled begins.
+struct PixelStart {
+  std::size_t plain = 0, tinted = 0;
+};
+
+/// A sample on a facet with a texture: E + rho H, see TexturedView.
+void add_textured(const ShadedScene& stage, const PinholeCamera& camera, const TexturedHit& hit,
+                  std::uint32_t sample_count, PixelStart start, PixelRow& row) {
+  const float share = 1.0f / static_cast<float>(sample_count);
+  const NodeBlend blend = blend_at(stage.mesh, stage.patches, hit.at.facet, hit.at.u, hit.at.v, hit.at.front);
+  if (blend.count == 0) return;
+  const Rgb rho = reflectance_in_sample(*stage.textures, hit, camera, sample_count);
+  for (std::uint32_t c = 0; c < blend.count; ++c)
+    add_weight<TintedWeight>({blend.nodes[c].node, (blend.nodes[c].weight * share) * rho}, start.tinted,
+                             row.tinted);
+  if (hit.at.front)
+    add_weight<NodeWeight>({stage.textures->exitance_value(hit.at.facet), share}, start.plain, row.plain);
+}
+
+void add_sample(const ShadedScene& stage, const SurfaceHit& hit, float share, PixelStart start,
+                PixelRow& row) {
+  const NodeBlend blend = blend_at(stage.mesh, stage.patches, hit.facet, hit.u, hit.v, hit.front);
+  for (std::uint32_t c = 0; c < blend.count; ++c)
+    add_weight<NodeWeight>({blend.nodes[c].node, blend.nodes[c].weight * share}, start.plain, row.plain);
+}
+
+/// What rays meet besides the static facets; none: nothing.
+struct MovingPart {
+  const MovingRays* rays = nullptr;
+  std::uint32_t slot = 0;
+  FrameIndex frame = 0;
+};
+
+/// Appends the blend of pixel (x, y) to a row.
+void trace_pixel(const ShadedScene& stage, const PinholeCamera& camera, const MovingPart& moving,
+                 std::span<const SubPixel> samples, std::uint32_t x, std::uint32_t y, PixelRow& row) {
+  const PixelStart start{row.plain.size(), row.tinted.size()};
+  const auto sample_count = static_cast<std::uint32_t>(samples.size());
+  const float share = 1.0f / static_cast<float>(sample_count);
   for (const SubPixel sample : samples) {
     Ray ray = camera.ray_through(static_cast<float>(x) + sample.x, static_cast<float>(y) + sample.y);
     SurfaceHit hit;
     bool found = stage.static_rays.nearest(ray, hit);
     if (found) ray.far = hit.distance;
-    if (moving) found = moving->nearest(ray, slot, hit) || found;
-    if (found)
-      add_blend(blend_at(stage.mesh, stage.patches, hit.facet, hit.u, hit.v, hit.front), share, first, pixel);
+    if (moving.rays) found = moving.rays->nearest(ray, moving.slot, hit) || found;
+    if (found && stage.textures && stage.textures->is_textured(hit.facet))
+      add_textured(stage, camera, {hit, ray, moving.frame}, sample_count, start, row);
+    else if (found)
+      add_sample(stage, hit, share, start, row);
   }
+  row.plain_end.push_back(static_cast<std::uint32_t>(row.plain.size()));
+  row.tinted_end.push_back(static_cast<std::uint32_t>(row.tinted.size()));
 }
 
-void set_pixel(std::span<const NodeWeight> blend, std::span<const NodeValues> node_values, std::uint32_t x,
+template <class Weighted>
+std::span<const Weighted> part_at(const std::vector<Weighted>& parts, const std::vector<std::uint32_t>& end,
+                                  std::uint32_t k) {
+  const std::uint32_t first = k == 0 ? 0 : end[k - 1];
+  return std::span(parts).subspan(first, end[k] - first);
+}
+
+/// Sets pixel (x, y) from the blend at position `k` of a row.
+void set_pixel(const PixelRow& row, std::uint32_t k, std::span<const NodeValues> node_values, std::uint32_t x,
                std::uint32_t y, std::vector<Image>& images) {
-  for (std::size_t k = 0; k < images.size(); ++k) {
+  const auto plain = part_at(row.plain, row.plain_end, k);
+  const auto tinted = part_at(row.tinted, row.tinted_end, k);
+  for (std::size_t i = 0; i < images.size(); ++i) {
     Rgb radiosity;
-    for (const NodeWeight& part : blend) radiosity += part.weight * node_values[k][part.node];
-    images[k].at(x, y) = radiosity * std::numbers::inv_pi_v<float>;
+    for (const NodeWeight& part : plain) radiosity += part.weight * node_values[i][part.node];
+    for (const TintedWeight& part : tinted) radiosity += part.weight * node_values[i][part.node];
+    images[i].at(x, y) = radiosity * std::numbers::inv_pi_v<float>;
   }
 }
 
-std::span<const NodeWeight> seen_at(const StaticView::Row& row, std::uint32_t x) {
-  const std::uint32_t first = x == 0 ? 0 : row.end[x - 1];
-  return std::span(row.blends).subspan(first, row.end[x] - first);
+void clear(PixelRow& row) {
+  row.plain.clear();
+  row.tinted.clear();
+  row.plain_end.clear();
+  row.tinted_end.clear();
+}
+
+std::size_t bytes_of(const PixelRow& row) {
+  return row.plain.size() * sizeof(NodeWeight) + row.tinted.size() * sizeof(TintedWeight) +
+         (row.plain_end.size() + row.tinted_end.size()) * sizeof(std::uint32_t);
 }
 
 /// Does a sample of this pixel meet something that moves, be it hidden or not?
@@ -72,17 +125,18 @@ bool meets_motion(const FrameView& view, std::span<const SubPixel> samples, std:
 
 void render_row(const ShadedScene& stage, const FrameView& view, std::span<const NodeValues> node_values,
                 std::span<const SubPixel> samples, std::uint32_t y, std::vector<Image>& images) {
-  std::vector<NodeWeight> blend;
+  const MovingPart moving{&view.moving_rays, view.slot, view.frame};
+  PixelRow pixel;
   for (std::uint32_t x = 0; x < view.camera.width; ++x) {
     const bool may_move = std::any_of(view.motion.begin(), view.motion.end(),
                                       [&](const PixelRect& rect) { return rect.contains(x, y); });
     if (view.static_view && !(may_move && meets_motion(view, samples, x, y))) {
-      set_pixel(seen_at(view.static_view->rows[y], x), node_values, x, y, images);
+      set_pixel(view.static_view->rows[y], x, node_values, x, y, images);
       continue;
     }
-    blend.clear();
-    trace_pixel(stage, view.camera, &view.moving_rays, view.slot, samples, x, y, blend);
-    set_pixel(blend, node_values, x, y, images);
+    clear(pixel);
+    trace_pixel(stage, view.camera, moving, samples, x, y, pixel);
+    set_pixel(pixel, 0, node_values, x, y, images);
   }
 }
 
@@ -122,13 +176,11 @@ std::unique_ptr<StaticView> see_static(const ShadedScene& stage, const PinholeCa
   std::atomic<std::size_t> bytes = 0;
   const auto too_large_or_stopped = [&] { return bytes > bytes_max || stop_requested(); };
   const bool whole = for_each_row(camera.height, too_large_or_stopped, [&](std::uint32_t y) {
-    StaticView::Row& row = view->rows[y];
-    for (std::uint32_t x = 0; x < camera.width; ++x) {
-      trace_pixel(stage, camera, nullptr, 0, samples, x, y, row.blends);
-      row.end.push_back(static_cast<std::uint32_t>(row.blends.size()));
-    }
-    row.blends.shrink_to_fit();
-    bytes += row.blends.size() * sizeof(NodeWeight) + row.end.size() * sizeof(std::uint32_t);
+    PixelRow& row = view->rows[y];
+    for (std::uint32_t x = 0; x < camera.width; ++x) trace_pixel(stage, camera, {}, samples, x, y, row);
+    row.plain.shrink_to_fit();
+    row.tinted.shrink_to_fit();
+    bytes += bytes_of(row);
   });
   return whole && bytes <= bytes_max ? std::move(view) : nullptr;
 }

@@ -11,6 +11,7 @@
 #include "engine/image/camera.h"
 #include "engine/image/image.h"
 #include "engine/image/shading_mesh.h"
+#include "engine/image/textured_view.h"
 #include "engine/visibility/ray_scene.h"
 
 namespace engine {
@@ -20,16 +21,27 @@ struct ShadedScene {
   const Patches& patches;
   const ShadingMesh& mesh;
   const StaticRays& static_rays;
+  const TexturedView* textures = nullptr;  ///< none: no facet shows a texture
 };
 
-/// What a camera that stands still sees of the static facets: each pixel as a blend of nodes, in the order of
-/// its samples. Pixels are then sums of a few products per frame, without rays.
+/// A node value as it shows through a texture.
+struct TintedWeight {
+  std::uint32_t node = 0;
+  Rgb weight;
+};
+
+/// Pixels as blends of node values, each in the order of its samples.
+struct PixelRow {
+  std::vector<NodeWeight> plain;
+  std::vector<TintedWeight> tinted;  ///< where facets show a texture
+  std::vector<std::uint32_t> plain_end,
+      tinted_end;  ///< [x]: pixel x is plain [end[x - 1], end[x]) + tinted ...
+};
+
+/// What a camera that stands still sees of the static facets. Pixels are then sums of a few products per
+/// frame, without rays.
 struct StaticView {
-  struct Row {
-    std::vector<NodeWeight> blends;
-    std::vector<std::uint32_t> end;  ///< [x]: pixel x is blends [end[x - 1], end[x])
-  };
-  std::vector<Row> rows;
+  std::vector<PixelRow> rows;
 };
 
 /// Traces `samples_per_pixel` rays per pixel. Null when the view would need more than `bytes_max`, or when
@@ -46,9 +58,11 @@ struct FrameView {
   /// Where the moving facets can be, if `static_view` is given; pixels elsewhere are taken from it.
   std::vector<PixelRect> motion;
   const StaticView* static_view = nullptr;  ///< of the same camera and sample count, or none
+  FrameIndex frame = 0;
 };
 
-/// Radiosity of every node of the mesh in one frame, see node_radiosity().  [W/m^2]
+/// Radiosity of every node of the mesh in one frame, see node_radiosity(); with textures see
+/// textured_node_values().  [W/m^2]
 using NodeValues = std::span<const Rgb>;
 
 /// One image per element of `node_values_w_m2`, since rays cost more than sums: radiance B / pi, box-filtered

@@ -61,7 +61,7 @@ struct Furnace {
                                                const api::ImageOptions& options, const fs::path& folder,
                                                const engine::Progress& progress = {}) const {
     const engine::StaticRays rays(*patches, animation);
-    return engine::render_images(*patches, animation, rays, radiosity, options, folder, progress);
+    return engine::render_images(scene, *patches, animation, rays, radiosity, options, folder, progress);
   }
 };
 
@@ -214,7 +214,8 @@ TEST(RenderImages, AMovingObjectHidesTheWallInItsFrameOnly) {
   });
   Folder folder;
   const engine::StaticRays rays(*patches, animation);
-  ASSERT_TRUE(engine::render_images(*patches, animation, rays, radiosity, small("c"), folder.path(), {}));
+  ASSERT_TRUE(
+      engine::render_images(scene, *patches, animation, rays, radiosity, small("c"), folder.path(), {}));
   for (int f = 0; f < 3; ++f) {
     const auto pixels = tests::read_floats(folder.path() / ("000" + std::to_string(f) + ".exr"));
     const std::size_t centre = 3 * (60 * 160 + 80), corner = 0;
@@ -275,7 +276,8 @@ TEST(RenderImages, TheEdgeOfALampIsShadedInPngAndTrueInExr) {
   });
   Folder folder;
   const engine::StaticRays rays(*patches, animation);
-  ASSERT_TRUE(engine::render_images(*patches, animation, rays, radiosity, small("c"), folder.path(), {}));
+  ASSERT_TRUE(
+      engine::render_images(scene, *patches, animation, rays, radiosity, small("c"), folder.path(), {}));
   const auto shown = tests::read_bytes(folder.path() / "0000.png");
   const auto radiance = tests::read_floats(folder.path() / "0000.exr");
   int white = 0, between = 0, partly_lit = 0;
