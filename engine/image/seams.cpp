@@ -1,7 +1,9 @@
 #include "engine/image/seams.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
+#include <utility>
 
 #include "engine/image/shading_mesh.h"
 
@@ -18,7 +20,7 @@ struct Edge {
   auto order() const { return std::tie(low_node, high_node, facet, side, number); }
 };
 
-std::uint32_t parts(const Facet& facet, std::uint8_t edge) {
+std::uint32_t grid_parts(const Facet& facet, std::uint8_t edge) {
   return facet.is_triangle || edge % 2 == 0 ? facet.grid_u : facet.grid_v;
 }
 
@@ -30,28 +32,72 @@ std::uint32_t place_on(const Facet& facet, std::uint8_t edge, std::uint32_t k) {
   return edge == 2 ? grid_place(facet, k, facet.grid_v) : grid_place(facet, 0, k);
 }
 
-/// Nodes along an edge, counted from its low_node.
-class EdgeNodes {
- public:
-  EdgeNodes(const ShadingMesh& mesh, const Facet& facet, const Edge& edge)
-      : mesh_(mesh),
-        facet_(facet),
-        edge_(edge.number),
-        first_(mesh.first_place[edge.facet] + edge.side * grid_place_count(facet)) {
-    reversed_ = raw(0) != edge.low_node;
-  }
-  std::uint32_t count() const { return parts(facet_, edge_); }
-  std::uint32_t at(std::uint32_t k) const { return raw(reversed_ ? count() - k : k); }
+/// How far along its edge a point of the lattice is, from the edge's beginning; none off the edge.
+std::optional<std::uint32_t> distance_on(const Facet& facet, std::uint8_t edge, LatticePoint at) {
+  const std::uint32_t n = facet.grid_u * kLatticeParts, m = facet.grid_v * kLatticeParts;
+  const bool on_edge = edge == 0                         ? at.j == 0
+                       : edge == 1                       ? at.i + (facet.is_triangle ? at.j : 0) == n
+                       : edge == 2 && !facet.is_triangle ? at.j == m
+                                                         : at.i == 0;
+  if (!on_edge) return std::nullopt;
+  return edge == 0 || (edge == 2 && !facet.is_triangle) ? at.i : at.j;
+}
 
- private:
-  std::uint32_t raw(std::uint32_t k) const { return mesh_.node_of[first_ + place_on(facet_, edge_, k)]; }
+/// Nodes along an edge, in order, and how far along it they are: in `parts` of its length.
+struct EdgeNodes {
+  std::uint64_t parts = 1;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> nodes;  ///< distance, node
 
-  const ShadingMesh& mesh_;
-  const Facet& facet_;
-  std::uint8_t edge_;
-  std::uint32_t first_;
-  bool reversed_ = false;
+  std::uint64_t distance(std::size_t k) const { return nodes[k].first; }
+  std::uint32_t node(std::size_t k) const { return nodes[k].second; }
 };
+
+void add_leaves(const Facet& facet, const Edge& edge, const std::uint32_t* node_of, EdgeNodes& along) {
+  for (std::uint32_t cell = 0; cell < facet.cell_count(); ++cell) {
+    const LeafCorners leaf = leaf_corners(facet, cell);
+    for (std::uint32_t c = 0; c < leaf.count; ++c)
+      if (const auto distance = distance_on(facet, edge.number, leaf.at[c]))
+        along.nodes.emplace_back(*distance, node_of[cell * leaf.count + c]);
+  }
+  std::sort(along.nodes.begin(), along.nodes.end());
+  along.nodes.erase(std::unique(along.nodes.begin(), along.nodes.end()), along.nodes.end());
+}
+
+/// From the edge's beginning to its end.
+EdgeNodes nodes_along(const ShadingMesh& mesh, const Facet& facet, const Edge& edge) {
+  const std::uint32_t* node_of = &mesh.node_of[mesh.first_place[edge.facet] + edge.side * place_count(facet)];
+  const std::uint32_t parts = grid_parts(facet, edge.number);
+  if (!facet.trees.empty()) {
+    EdgeNodes along{std::uint64_t{parts} * kLatticeParts, {}};
+    add_leaves(facet, edge, node_of, along);
+    return along;
+  }
+  EdgeNodes along{parts, {}};
+  for (std::uint32_t k = 0; k <= parts; ++k)
+    along.nodes.emplace_back(k, node_of[place_on(facet, edge.number, k)]);
+  return along;
+}
+
+/// From its low_node on.
+EdgeNodes nodes_from_low(const ShadingMesh& mesh, const Facet& facet, const Edge& edge) {
+  EdgeNodes along = nodes_along(mesh, facet, edge);
+  if (along.node(0) == edge.low_node) return along;
+  std::reverse(along.nodes.begin(), along.nodes.end());
+  for (auto& [distance, node] : along.nodes) distance = along.parts - distance;
+  return along;
+}
+
+/// The nodes at an edge's beginning and end.
+std::pair<std::uint32_t, std::uint32_t> ends_of(const ShadingMesh& mesh, const Facet& facet,
+                                                const Edge& edge) {
+  if (!facet.trees.empty()) {
+    const EdgeNodes along = nodes_along(mesh, facet, edge);
+    return {along.node(0), along.nodes.back().second};
+  }
+  const std::uint32_t* node_of = &mesh.node_of[mesh.first_place[edge.facet] + edge.side * place_count(facet)];
+  return {node_of[place_on(facet, edge.number, 0)],
+          node_of[place_on(facet, edge.number, grid_parts(facet, edge.number))]};
+}
 
 std::vector<Edge> sorted_edges(const ShadingMesh& mesh, const Patches& patches) {
   std::vector<Edge> edges;
@@ -59,25 +105,30 @@ std::vector<Edge> sorted_edges(const ShadingMesh& mesh, const Patches& patches) 
     const Facet& facet = patches.facets[f];
     for (std::uint8_t side = 0; side < (facet.both_sides ? 2 : 1); ++side)
       for (std::uint8_t number = 0; number < (facet.is_triangle ? 3 : 4); ++number) {
-        const std::uint32_t first = mesh.first_place[f] + side * grid_place_count(facet);
-        const std::uint32_t a = mesh.node_of[first + place_on(facet, number, 0)];
-        const std::uint32_t b = mesh.node_of[first + place_on(facet, number, parts(facet, number))];
-        edges.push_back({std::min(a, b), std::max(a, b), f, side, number});
+        Edge edge{0, 0, f, side, number};
+        std::tie(edge.low_node, edge.high_node) = ends_of(mesh, facet, edge);
+        if (edge.low_node > edge.high_node) std::swap(edge.low_node, edge.high_node);
+        edges.push_back(edge);
       }
   }
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.order() < b.order(); });
   return edges;
 }
 
-/// The nodes of `own` that lie between two nodes of `other`.
-void append_hanging(const EdgeNodes& own, const EdgeNodes& other, std::vector<SeamNode>& seams) {
-  for (std::uint32_t k = 1; k < own.count(); ++k) {
-    const std::uint64_t scaled = std::uint64_t{k} * other.count();
-    const auto before = static_cast<std::uint32_t>(scaled / own.count());
-    const auto rest = static_cast<std::uint32_t>(scaled % own.count());
-    if (rest == 0) continue;  // both have a node here, and it is one
-    seams.push_back({own.at(k), other.at(before), other.at(before + 1),
-                     static_cast<float>(rest) / static_cast<float>(own.count())});
+/// The nodes of `own` that lie between two nodes of `other`. `graded`: either side is quartered.
+void append_between(const EdgeNodes& own, const EdgeNodes& other, bool graded, std::vector<SeamNode>& seams) {
+  std::size_t before = 0;
+  for (std::size_t k = 1; k + 1 < own.nodes.size(); ++k) {
+    const std::uint64_t scaled = own.distance(k) * other.parts;  // distances in parts of both edges
+    while (other.distance(before + 1) * own.parts <= scaled) ++before;
+    const std::uint64_t from = other.distance(before) * own.parts;
+    if (from == scaled) continue;  // both have a node here, and it is one
+    const std::uint64_t step = (other.distance(before + 1) - other.distance(before)) * own.parts;
+    const std::uint64_t own_step =
+        std::max(own.distance(k) - own.distance(k - 1), own.distance(k + 1) - own.distance(k)) * other.parts;
+    seams.push_back({own.node(k), other.node(before), other.node(before + 1),
+                     static_cast<float>(scaled - from) / static_cast<float>(step),
+                     graded && step > own_step ? 0.0f : 0.5f});
   }
 }
 
@@ -88,10 +139,12 @@ std::vector<SeamNode> find_seams(const ShadingMesh& mesh, const Patches& patches
   const std::vector<Edge> edges = sorted_edges(mesh, patches);
   for (std::size_t e = 1; e < edges.size(); ++e) {
     if (edges[e - 1].key() != edges[e].key()) continue;
-    const EdgeNodes one(mesh, patches.facets[edges[e - 1].facet], edges[e - 1]);
-    const EdgeNodes two(mesh, patches.facets[edges[e].facet], edges[e]);
-    append_hanging(one, two, seams);
-    append_hanging(two, one, seams);
+    const Facet &first = patches.facets[edges[e - 1].facet], &second = patches.facets[edges[e].facet];
+    const EdgeNodes one = nodes_from_low(mesh, first, edges[e - 1]);
+    const EdgeNodes two = nodes_from_low(mesh, second, edges[e]);
+    const bool graded = !first.trees.empty() || !second.trees.empty();
+    append_between(one, two, graded, seams);
+    append_between(two, one, graded, seams);
   }
   return seams;
 }
@@ -101,9 +154,14 @@ void close_seams(const std::vector<SeamNode>& seams, std::vector<Rgb>& node_valu
   closed.reserve(seams.size());
   for (const SeamNode& seam : seams) {
     const Rgb other = (1 - seam.t) * node_values[seam.before] + seam.t * node_values[seam.after];
-    closed.push_back(0.5f * (node_values[seam.node] + other));
+    closed.push_back(seam.own_share * node_values[seam.node] + (1 - seam.own_share) * other);
   }
   for (std::size_t s = 0; s < seams.size(); ++s) node_values[seams[s].node] = closed[s];
+}
+
+void hang(const std::vector<HangingNode>& hanging, std::vector<Rgb>& node_values) {
+  for (const HangingNode& node : hanging)
+    node_values[node.node] = (1 - node.t) * node_values[node.before] + node.t * node_values[node.after];
 }
 
 }  // namespace engine

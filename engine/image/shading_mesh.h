@@ -1,6 +1,7 @@
-// Patches are constant, pictures are smooth: radiosity at the nodes of the patch grids, and between them.
+// Patches are constant, pictures are smooth: radiosity at the corners of the patches, and between them.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -13,29 +14,45 @@
 
 namespace engine {
 
-/// The nodes of all facets' (u,v) grids, one set per side that has patches. A node's radiosity is the
-/// area-weighted mean of the patches around it. Nodes of neighbouring facets that lie at the same point are
-/// one node when the sides belong to the same object and material and face the same way (within 1 degree; on
-/// smooth surfaces by their shading normals there), so that no seam shows between coplanar polygons and on
-/// curved things; sides that differ in any of these are never mixed. Where two such facets cut their common
-/// edge differently, see SeamNode.
+/// The corners of all facets' cells, one set of nodes per side that has patches. A node's radiosity is the
+/// weighted mean of the patches around it, see node_weight(). Nodes of neighbouring facets that lie at the
+/// same point are one node when the sides belong to the same object and material and face the same way
+/// (within 1 degree; on smooth surfaces by their shading normals there), so that no seam shows between
+/// coplanar polygons and on curved things; sides that differ in any of these are never mixed. Where two such
+/// facets cut their common edge differently, see SeamNode; where quarters meet larger cells of their facet,
+/// HangingNode.
 struct ShadingMesh {
   std::uint32_t node_count = 0;
-  std::vector<std::uint32_t> first_place;  ///< [facet]: its front's grid places, then its back's, in node_of
-  std::vector<std::uint32_t> node_of;      ///< [place]: the node there; places as in grid_place()
+  std::vector<std::uint32_t> first_place;  ///< [facet]: its front's places, then its back's, in node_of
+  std::vector<std::uint32_t> node_of;      ///< [place]: the node there; see place_count()
   std::vector<std::uint32_t> first_patch;  ///< [node .. node_count]: into patches_around
   std::vector<PatchId> patches_around;
   std::vector<SeamNode> seams;
+  std::vector<HangingNode> hanging;  ///< those on longer edges first: what a node hangs on is settled before
+  bool has_trees = false;            ///< of some facet
 };
 
 /// Depends on the scene alone: built once for all frames and cameras. `normals`: [facet], or empty where
 /// every facet is flat.
 ShadingMesh build_shading_mesh(const Patches& patches, std::span<const CornerNormals> normals = {});
 
-/// Places of a facet's grid on one side. Parallelogram: (grid_u + 1)(grid_v + 1), row-major, u fastest.
-/// Triangle: row by row from v = 0, row j has grid_u + 1 - j.
-std::uint32_t grid_place_count(const Facet& facet);
+/// Places of nodes on one side of a facet. With trees: the corners of its cells, corner_count() for each.
+/// Without: the points of its grid, see grid_place().
+std::uint32_t place_count(const Facet& facet);
+inline std::uint32_t corner_count(const Facet& facet) {
+  return facet.is_triangle ? 3 : 4;
+}
+
+/// Parallelogram: (grid_u + 1)(grid_v + 1) points, row-major, u fastest. Triangle: row by row from v = 0, row
+/// j has grid_u + 1 - j.
 std::uint32_t grid_place(const Facet& facet, std::uint32_t i, std::uint32_t j);
+
+/// What a patch counts for at its corners. Its area; but where sizes differ within facets the inverse of its
+/// size, 1 / sqrt(area): the middle of a patch twice as long is twice as far off, and the nodes of a linear
+/// field are then exact, whatever sizes meet there.
+inline float node_weight(const ShadingMesh& mesh, const Patches& patches, PatchId patch) {
+  return mesh.has_trees ? 1 / std::sqrt(patches.area_m2[patch]) : patches.area_m2[patch];
+}
 
 /// Radiosity of every node in the frames [first_frame, first_frame + values.size()); values[k] is resized to
 /// node_count.  [W/m^2] False when stopped; the values then mean nothing.

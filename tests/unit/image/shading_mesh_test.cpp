@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/engine/patches/random_trees.h"
 #include "tests/unit/image/rooms.h"
 
 namespace {
@@ -34,16 +35,35 @@ struct Shaded {
   }
 };
 
-Shaded shade(const engine::Scene& scene, double edge_m,
-             const std::function<Rgb(engine::PatchId, Vec3)>& field) {
-  auto patches = engine::mesh_into_patches(scene, edge_m);
-  EXPECT_TRUE(patches);
-  Shaded shaded{*patches, engine::build_shading_mesh(*patches), {}};
+Shaded shade(const engine::Patches& patches, const std::function<Rgb(engine::PatchId, Vec3)>& field) {
+  Shaded shaded{patches, engine::build_shading_mesh(patches), {}};
   std::vector<std::vector<Rgb>> values(1);
   engine::node_radiosity(shaded.mesh, shaded.patches, tests::series_of(shaded.patches, 1, field), 0, never,
                          values);
   shaded.nodes = values[0];
   return shaded;
+}
+
+Shaded shade(const engine::Scene& scene, double edge_m,
+             const std::function<Rgb(engine::PatchId, Vec3)>& field) {
+  auto patches = engine::mesh_into_patches(scene, edge_m);
+  EXPECT_TRUE(patches);
+  return shade(*patches, field);
+}
+
+/// The same with cells quartered at random.
+Shaded shade_quartered(const engine::Scene& scene, double edge_m, unsigned seed,
+                       const std::function<Rgb(engine::PatchId, Vec3)>& field) {
+  auto patches = engine::mesh_into_patches(scene, edge_m);
+  EXPECT_TRUE(patches);
+  std::mt19937 random(seed);
+  tests::quarter_at_random(*patches, 3, 0.5, random);
+  return shade(*patches, field);
+}
+
+/// Anything but smooth.
+Rgb rough(engine::PatchId patch, Vec3) {
+  return {static_cast<float>(patch * 2654435761u % 1000u) / 1000, 0, 0};
 }
 
 Rgb linear_in_x(engine::PatchId, Vec3 p) {
@@ -176,6 +196,87 @@ TEST(ShadingMesh, BlocksOfFramesGiveTheValuesOfSingleFrames) {
   for (std::uint32_t f = 1; f < 5; ++f) {
     engine::node_radiosity(mesh, *patches, series, f, never, one);
     EXPECT_EQ(one[0], block[f - 1]) << "frame " << f;
+  }
+}
+
+// Patches of sizes from 1 to 64 with values that have nothing to do with each other: across the borders
+// between them the picture goes on without a step. The slope of a picture of the smallest cells is at most 1
+// per 1/32 of the facet; a step would be a fraction of 1.
+TEST(ShadingMesh, NoStepWhereQuartersMeetLargerCells) {
+  for (const bool is_triangle : {false, true})
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      auto scene = tests::scene_with(1, 1);
+      if (is_triangle)
+        add_polygon(scene, {{0, 0, 0}, {1, 0, 0}, {0.5f, 0.8f, 0}});
+      else
+        add_polygon(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+      const Shaded shaded = shade_quartered(scene, 0.25, seed, rough);
+      ASSERT_FALSE(shaded.mesh.hanging.empty());
+      const engine::Facet& facet = shaded.patches.facets[0];
+      constexpr float kHair = 1e-5f;
+      float largest = 0;
+      for (std::uint32_t cell = 0; cell < facet.cell_count(); ++cell) {
+        const auto corners = engine::cell_corners(facet, cell);
+        for (std::uint32_t c = 0; c < corners.count; ++c)
+          for (float t = 0.03f; t < 1; t += 0.04f) {
+            const std::uint32_t next = (c + 1) % corners.count;
+            const float u = corners.u[c] + t * (corners.u[next] - corners.u[c]);
+            const float v = corners.v[c] + t * (corners.v[next] - corners.v[c]);
+            const float across_u = corners.v[next] - corners.v[c], across_v = corners.u[c] - corners.u[next];
+            const float size = std::max(std::abs(across_u), std::abs(across_v));
+            const float du = across_u / size * kHair, dv = across_v / size * kHair;
+            if (u + du < 0 || v + dv < 0 || u + du > 1 || v + dv > 1) continue;
+            if (is_triangle && u + v + du + dv > 1) continue;
+            largest =
+                std::max(largest, std::abs(shaded.at(0, u + du, v + dv).r - shaded.at(0, u - du, v - dv).r));
+          }
+      }
+      EXPECT_LT(largest, 4 * 32 * kHair);
+    }
+}
+
+TEST(ShadingMesh, ALinearFieldIsReproducedWhateverSizesMeet) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    auto scene = tests::scene_with(1, 1);
+    add_polygon(scene, {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}});
+    const Shaded shaded = shade_quartered(scene, 1, seed, linear_in_x);
+    for (float u = 0.26f; u < 0.74f; u += 0.013f)  // the cells on the rim know one side of it only
+      for (float v = 0.26f; v < 0.74f; v += 0.017f)
+        EXPECT_NEAR(shaded.at(0, u, v).r, 1 + 4 * u, 1e-4f) << u << ' ' << v << " seed " << seed;
+  }
+}
+
+TEST(ShadingMesh, WeightsSumToOneInQuarters) {
+  auto scene = tests::scene_with(1, 1, true);
+  add_polygon(scene, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  add_polygon(scene, {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}});
+  const Shaded shaded = shade_quartered(scene, 0.5, 1, linear_in_x);
+  for (const std::uint32_t facet : {0u, 1u})
+    for (float u = -1e-6f; u <= 1.000001f; u += 0.01f)
+      for (float v = 0; v <= 1.000001f; v += 0.01f) {
+        if (facet == 0 && u + v > 1.000002f) continue;
+        const auto blend = engine::blend_at(shaded.mesh, shaded.patches, facet, u, v, false);
+        float sum = 0;
+        for (std::uint32_t c = 0; c < blend.count; ++c) {
+          EXPECT_GE(blend.nodes[c].weight, 0);
+          sum += blend.nodes[c].weight;
+        }
+        EXPECT_NEAR(sum, 1, 1e-6f);
+      }
+}
+
+// Squares and triangles side by side, each quartered in its own way.
+TEST(ShadingMesh, NoStepBetweenFacetsThatAreQuarteredDifferently) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    auto scene = tests::scene_with(1, 1);
+    add_polygon(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+    add_polygon(scene, {{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}});
+    add_polygon(scene, {{2, 0, 0}, {2.5f, 0.5f, 0}, {2, 1, 0}});
+    const Shaded shaded = shade_quartered(scene, 0.25, seed, rough);
+    for (float y = 0; y <= 1; y += 0.003f) {
+      EXPECT_NEAR(shaded.at_point(0, {1, y, 0}).r, shaded.at_point(1, {1, y, 0}).r, 1e-4f) << y;
+      EXPECT_NEAR(shaded.at_point(1, {2, y, 0}).r, shaded.at_point(2, {2, y, 0}).r, 1e-4f) << y;
+    }
   }
 }
 
