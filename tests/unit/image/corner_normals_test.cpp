@@ -92,5 +92,29 @@ TEST(CornerNormals, OppositeNormalsLeaveTheFacetsOwnWhereTheyCancel) {
             cylinder.patches.facets[0].normal);
 }
 
+TEST(CornerNormals, AreThoseOfTheFileTurnedToTheFront) {
+  Scene scene = tests::scene_with(1, 1);
+  tests::add_polygon(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.5f, 1.5f, 0}, {0, 1, 0}});
+  tests::add_polygon(scene, {{5, 0, 0}, {6, 0, 0}, {6, 1, 0}, {5, 1, 0}});
+  EXPECT_TRUE(corner_normals(scene, *mesh_into_patches(scene, 1)).empty()) << "the file has none";
+  // Each corner leans outwards; the third is written upside down. The second polygon has none.
+  scene.normals = {{-0.6f, 0, 0.8f}, {0.6f, 0, 0.8f}, {-0.6f, 0, -0.8f}, {0, 0.6f, 0.8f}, {-0.8f, 0, 0.6f}};
+  scene.corner_normals = {0, 1, 2, 3, 4, kNoIndex, kNoIndex, kNoIndex, kNoIndex};
+  const Patches patches = *mesh_into_patches(scene, 1);
+  const auto normals = corner_normals(scene, patches);
+  ASSERT_EQ(normals.size(), patches.facets.size());
+  const Vec3 expected[] = {scene.normals[0], scene.normals[1], -scene.normals[2], scene.normals[3],
+                           scene.normals[4]};
+  int compared = 0;
+  for (std::size_t f = 0; f < patches.facets.size(); ++f)
+    for (int c = 0; c < (patches.facets[f].is_triangle ? 3 : 4); ++c)
+      for (std::uint32_t k = 0; k < 9; ++k)
+        if (scene.vertices[scene.corners[k]] == patches.facets[f].corners[c]) {
+          EXPECT_EQ(normals[f][c], k < 5 ? expected[k] : patches.facets[f].normal) << f << ' ' << c;
+          ++compared;
+        }
+  EXPECT_EQ(compared, 3 * 3 + 4);
+}
+
 }  // namespace
 }  // namespace engine
