@@ -84,18 +84,29 @@ std::vector<Rgb> scale_of(const Curve& curve, FrameIndex frame_count) {
   return scale;
 }
 
-/// The emission of a scene in which nothing emits, with its sources where they are.
+/// The emission of a scene in which nothing emits. Its sources need no path.
 Emission dark(const Emission& emission) {
   Emission none;
   none.exitance_w_m2.assign(emission.exitance_w_m2.size(), {Rgb{}});
-  none.sources = emission.sources;
-  for (SourceMotion& source : none.sources) source.intensity = {Rgb{}};
+  for (const SourceMotion& source : emission.sources)
+    none.sources.push_back({source.name,
+                            source.type,
+                            {source.position.front()},
+                            {source.direction.front()},
+                            {Rgb{}},
+                            source.inner_cosine,
+                            source.outer_cosine});
   return none;
 }
 
-void give(const Light& light, std::vector<Rgb> series, Emission& emission) {
-  (light.is_source ? emission.sources[light.index].intensity : emission.exitance_w_m2[light.index]) =
-      std::move(series);
+/// Lets `light` of `all` emit `series`.
+void give(const Light& light, const Emission& all, std::vector<Rgb> series, Emission& emission) {
+  if (!light.is_source) {
+    emission.exitance_w_m2[light.index] = std::move(series);
+    return;
+  }
+  emission.sources[light.index] = all.sources[light.index];
+  emission.sources[light.index].intensity = std::move(series);
 }
 
 /// The groups that one group of the job falls into.
@@ -111,7 +122,7 @@ class GroupOfJob {
  private:
   LightGroup empty() const { return {std::string(name_), dark(animation_.emission), {Rgb{1, 1, 1}}}; }
   void add_as_it_is(const Light& light) {
-    give(light, *light.series, steady_.emission);
+    give(light, animation_.emission, *light.series, steady_.emission);
     has_steady_ = true;
   }
 
@@ -135,7 +146,7 @@ void GroupOfJob::add(const Light& light, std::size_t& curves_left) {
     known = curves_.insert(curves_.end(), curve);
   }
   join(*known, curve);
-  give(light, {light.peak}, scaled_[std::size_t(known - curves_.begin())].emission);
+  give(light, animation_.emission, {light.peak}, scaled_[std::size_t(known - curves_.begin())].emission);
 }
 
 void GroupOfJob::move_to(std::vector<LightGroup>& groups) {

@@ -18,7 +18,7 @@ namespace engine {
 struct LightGroup {
   std::string name;  ///< of the job's group it belongs to; several may belong to one. "": no group
   /// Of the whole scene: materials and sources keep their numbers, and what is not of this group emits zero
-  /// (a series of one).
+  /// (a series of one; such a source rests where it begins).
   Emission emission;
   std::vector<Rgb> scale;  ///< [frame], or one; per channel, 0 .. 1, or 1 throughout
 };

@@ -5,16 +5,17 @@
 
 namespace engine {
 
-api::Result<std::vector<api::FrameIndex>> fewest_key_frames(InterpolationError& error, double tolerance,
+api::Result<std::vector<api::FrameIndex>> fewest_key_frames(std::uint32_t frame_count,
+                                                            const MaySkip& may_skip,
                                                             const std::vector<api::FrameIndex>& forced,
                                                             const Progress& progress) {
-  const api::FrameIndex last = error.frame_count() - 1;
+  const api::FrameIndex last = frame_count - 1;
   if (last == 0) return std::vector<api::FrameIndex>{0};
   const auto skips_forced = [&](api::FrameIndex a, api::FrameIndex b) {
     const auto next = std::upper_bound(forced.begin(), forced.end(), a);
     return next != forced.end() && *next < b;
   };
-  if (!skips_forced(0, last) && error.within(0, last, tolerance))
+  if (last <= kIntervalMax && !skips_forced(0, last) && may_skip(0, last))
     return std::vector<api::FrameIndex>{0, last};
 
   constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
@@ -27,7 +28,7 @@ api::Result<std::vector<api::FrameIndex>> fewest_key_frames(InterpolationError& 
     progress.report(static_cast<double>(b) / last);
     for (api::FrameIndex a = b > kIntervalMax ? b - kIntervalMax : 0; a < b; ++a) {
       if (intervals[a] + 1 >= intervals[b] || skips_forced(a, b)) continue;
-      if (!error.within(a, b, tolerance)) continue;
+      if (!may_skip(a, b)) continue;
       intervals[b] = intervals[a] + 1;
       from[b] = a;
     }

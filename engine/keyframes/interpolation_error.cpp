@@ -1,86 +1,115 @@
 #include "engine/keyframes/interpolation_error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "engine/interpolate/interpolate.h"
+
 namespace engine {
 namespace {
 
-/// Area-weighted mean of the largest channel of B over the patches that emit in no frame.
-double mean_radiosity(const LitScene& lit, const PatchSeries& radiosity) {
-  std::vector<bool> emits;  // [material]
-  for (std::uint32_t m = 0; m < lit.animation.emission.exitance_w_m2.size(); ++m)
-    emits.push_back(lit.animation.emission.ever_emits(m));
-  double sum = 0, area = 0;
-  for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
-    if (emits[lit.patches.facets[lit.patches.facet_of[patch]].material] && !lit.patches.is_back(patch))
-      continue;
-    for (std::uint32_t frame = 0; frame < radiosity.frame_count; ++frame)
-      sum += double{lit.patches.area_m2[patch]} * max_channel(radiosity.at(patch, frame));
-    area += double{lit.patches.area_m2[patch]} * radiosity.frame_count;
-  }
-  return area > 0 ? sum / area : 0;
+constexpr std::size_t kOfGroup = 1 + kEstimateReplicates;  ///< mean, then replicates
+
+float largest_channel(Rgb value) {
+  return std::max({std::abs(value.r), std::abs(value.g), std::abs(value.b)});
 }
 
-float weight_of(api::FrameIndex a, api::FrameIndex f, api::FrameIndex b) {
-  return static_cast<float>(f - a) / static_cast<float>(b - a);
+/// Standard error of the mean of `all`, per channel.
+Rgb standard_error(const std::array<Rgb, kOfGroup>& all) {
+  Rgb squares;
+  for (std::size_t r = 1; r < kOfGroup; ++r) {
+    const Rgb off = all[r] - all[0];
+    squares += off * off;
+  }
+  constexpr float kShare = 1.0f / (kEstimateReplicates * (kEstimateReplicates - 1));
+  return {std::sqrt(squares.r * kShare), std::sqrt(squares.g * kShare), std::sqrt(squares.b * kShare)};
 }
 
 }  // namespace
 
-InterpolationError::InterpolationError(const LitScene& lit, const PatchSeries& radiosity_w_m2,
-                                       const PatchSeries& interpolated_w_m2, std::vector<float> noise_w_m2)
-    : interpolated_(interpolated_w_m2),
-      noise_(std::move(noise_w_m2)),
-      scale_(radiosity_w_m2.values.size()),
+InterpolationError::InterpolationError(const LitScene& lit, const Estimate& estimate, api::Interpolated what)
+    : frame_count_(estimate.radiosity_w_m2.frame_count),
+      group_count_(static_cast<std::uint32_t>(estimate.interpolated.size())),
+      stride_(group_count_ * kOfGroup),
+      values_(estimate.radiosity_w_m2.values.size() * stride_),
+      weights_(estimate.radiosity_w_m2.values.size() * group_count_),
+      relative_(estimate.radiosity_w_m2.values.size()),
       refused_first_(lit.patches.count()) {
-  const auto floor = static_cast<float>(0.5 * mean_radiosity(lit, radiosity_w_m2));
-  for (std::size_t k = 0; k < scale_.size(); ++k) {
-    const float against = std::max(max_channel(radiosity_w_m2.values[k]), floor);
-    scale_[k] = against > 0 ? 1.0f / against : 0.0f;  // a scene without light has no error
-  }
+  const auto floor = static_cast<float>(0.5 * mean_radiosity(lit, estimate.radiosity_w_m2));
+  std::size_t at = 0;
+  for (PatchId patch = 0; patch < lit.patches.count(); ++patch)
+    for (FrameIndex f = 0; f < frame_count_; ++f, ++at) {
+      const float against = std::max(max_channel(estimate.radiosity_w_m2.values[at]), floor);
+      relative_[at] = against > 0 ? 1.0f / against : 0.0f;  // a scene without light has no error
+      for (std::uint32_t g = 0; g < group_count_; ++g) {
+        Rgb* all = values_.data() + at * stride_ + g * kOfGroup;
+        for (std::uint32_t r = 0; r < kEstimateReplicates; ++r) {
+          all[1 + r] = estimate.interpolated[g][r].values[at];
+          all[0] += all[1 + r] * (1.0f / kEstimateReplicates);
+        }
+        weights_[at * group_count_ + g] =
+            what == api::Interpolated::total
+                ? Rgb{1, 1, 1}
+                : lit.reflectance(patch, f) * in_frame(estimate.groups[g].group.scale, f);
+      }
+    }
   std::iota(refused_first_.begin(), refused_first_.end(), 0u);
 }
 
 float InterpolationError::of_patch(PatchId patch, api::FrameIndex a, api::FrameIndex f, api::FrameIndex b,
-                                   float weight) const {
-  const Rgb* row = interpolated_.row(patch);
-  const Rgb missed = row[a] * (1.0f - weight) + row[b] * weight - row[f];
-  float largest = std::max({std::abs(missed.r), std::abs(missed.g), std::abs(missed.b)});
-  if (!noise_.empty()) {
-    const float spread = std::sqrt(1.0f + weight * weight + (1.0f - weight) * (1.0f - weight));
-    largest = std::max(0.0f, largest - kSignificance * spread * noise_[patch]);
+                                   Evidence evidence) const {
+  const float w = static_cast<float>(f - a) / static_cast<float>(b - a);
+  const Rgb *at_a = values(patch, a), *at_b = values(patch, b), *at_f = values(patch, f);
+  const std::size_t row = std::size_t{patch} * frame_count_ + f;
+  const std::size_t used = evidence == Evidence::likely ? 1 : kOfGroup;
+  std::array<Rgb, kOfGroup> missed{};
+  for (std::uint32_t g = 0; g < group_count_; ++g) {
+    const Rgb weight = weights_[row * group_count_ + g];
+    const std::size_t k = g * kOfGroup;
+    for (std::size_t r = 0; r < used; ++r)
+      missed[r] += weight * (at_a[k + r] * (1.0f - w) + at_b[k + r] * w - at_f[k + r]);
   }
-  return largest * scale_[std::size_t{patch} * interpolated_.frame_count + f];
+  float error = largest_channel(missed[0]);
+  if (evidence != Evidence::likely) {
+    const float noise = kSignificance * max_channel(standard_error(missed));
+    error = evidence == Evidence::surely ? error + noise : std::max(0.0f, error - noise);
+  }
+  return error * relative_[row];
 }
 
-double InterpolationError::at(api::FrameIndex a, api::FrameIndex f, api::FrameIndex b) const {
-  return left_out(a, f, b, weight_of(a, f, b));
-}
-
-double InterpolationError::left_out(api::FrameIndex a, api::FrameIndex f, api::FrameIndex b,
-                                    float weight) const {
-  float largest = 0;
-  for (PatchId patch = 0; patch < interpolated_.patch_count; ++patch)
-    largest = std::max(largest, of_patch(patch, a, f, b, weight));
-  return largest;
-}
-
-bool InterpolationError::within(api::FrameIndex a, api::FrameIndex b, double tolerance) {
+bool InterpolationError::within(api::FrameIndex a, api::FrameIndex b, double tolerance, Evidence evidence) {
   for (std::size_t k = 0; k < refused_first_.size(); ++k)
     for (api::FrameIndex f = a + 1; f < b; ++f)
-      if (of_patch(refused_first_[k], a, f, b, weight_of(a, f, b)) > tolerance) {
+      if (of_patch(refused_first_[k], a, f, b, evidence) > tolerance) {
         std::swap(refused_first_[k], refused_first_[k / 2]);
         return false;
       }
   return true;
 }
 
-double InterpolationError::largest(api::FrameIndex a, api::FrameIndex b) const {
-  double largest = 0;
-  for (api::FrameIndex f = a + 1; f < b; ++f) largest = std::max(largest, at(a, f, b));
+std::vector<double> InterpolationError::largest(std::span<const api::FrameIndex> knots,
+                                                api::Interpolation interpolation) const {
+  std::vector<api::FrameIndex> frames(frame_count_);
+  std::iota(frames.begin(), frames.end(), 0u);
+  const Interpolator interpolator(knots, frames, interpolation);
+  std::vector<double> largest(frame_count_, 0.0);
+  std::vector<Rgb> at_knots(knots.size()), found(frame_count_), missed(frame_count_);
+  for (PatchId patch = 0; patch < refused_first_.size(); ++patch) {
+    std::fill(missed.begin(), missed.end(), Rgb{});
+    for (std::uint32_t g = 0; g < group_count_; ++g) {
+      for (std::size_t k = 0; k < knots.size(); ++k) at_knots[k] = values(patch, knots[k])[g * kOfGroup];
+      interpolator.apply(at_knots.data(), found.data());
+      for (FrameIndex f = 0; f < frame_count_; ++f)
+        missed[f] += weights_[(std::size_t{patch} * frame_count_ + f) * group_count_ + g] *
+                     (found[f] - values(patch, f)[g * kOfGroup]);
+    }
+    for (FrameIndex f = 0; f < frame_count_; ++f)
+      largest[f] = std::max(
+          largest[f], double{largest_channel(missed[f])} * relative_[std::size_t{patch} * frame_count_ + f]);
+  }
   return largest;
 }
 

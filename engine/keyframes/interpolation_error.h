@@ -1,55 +1,57 @@
-// How far linear interpolation between two frames misses those between them.
+// How far interpolation between two frames misses those between them, on the estimate.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "engine/lighting/light_sequence.h"
+#include "engine/estimate/estimate_lighting.h"
 
 namespace engine {
 
-/// Standard errors that a difference must exceed to count: exceeded by chance once in 16,000 times, so rarely
-/// among the hundreds of patches and frames that each interval is tested on.
-inline constexpr float kSignificance = 4.0f;
+/// What the replicates of the estimate say of an error and a tolerance.
+enum class Evidence {
+  likely,  ///< the mean of the replicates
+  surely,  ///< the mean and kSignificance standard errors more
+  hardly,  ///< the mean and kSignificance standard errors less
+};
 
-/// The part of the radiosity that is interpolated, and what its error is measured against:
+/// Student's t of 7 degrees of freedom is above it by chance in 1 of 330 cases.
+inline constexpr float kSignificance = 3.9f;
+
+/// Error of the radiosity where what `Estimate::interpolated` holds is interpolated:
 ///
 ///     e(i, f) = max_c | B^ - B | / max(max_c B(i, f), mean B / 2)            [-]
+///     B^ - B = rho_i(f) sum_g scale_g(f) (Y^_g - Y_g)
 ///
-/// mean B is area-weighted over the patches that do not emit, and over the frames. Where the noise of B is
-/// known, only what stands out of it counts: from | B^ - B | are taken kSignificance standard errors of that
-/// difference, sigma sqrt(1 + w^2 + (1-w)^2) where the frames are independent (w: weight of the later key).
-/// An error that noise hides cannot be told from it, and a key-frame would not mend it.
+/// mean B is area-weighted over the patches that do not emit, and over the frames. The replicates trace the
+/// same lines in every frame, so what noise is common to frames cancels in Y^ - Y of each, and the scatter of
+/// Y^ - Y over the replicates is its noise: a paired comparison.
 class InterpolationError {
  public:
-  /// radiosity: B;  interpolated: the part of it that is interpolated; both [patch][frame], kept by
-  /// reference.
-  /// noise: standard error of `interpolated` in a frame, [patch]; empty: none.
-  InterpolationError(const LitScene& lit, const PatchSeries& radiosity_w_m2,
-                     const PatchSeries& interpolated_w_m2, std::vector<float> noise_w_m2 = {});
+  InterpolationError(const LitScene& lit, const Estimate& estimate, api::Interpolated what);
 
-  std::uint32_t frame_count() const { return interpolated_.frame_count; }
+  std::uint32_t frame_count() const { return frame_count_; }
 
-  /// e of frame `f` from the frames `a` < f < `b`, largest over the patches.
-  double at(api::FrameIndex a, api::FrameIndex f, api::FrameIndex b) const;
+  /// Is e <= `tolerance` for every patch and frame between `a` and `b`, interpolated linearly? Quick where it
+  /// is not: patches that refused before are asked first.
+  bool within(api::FrameIndex a, api::FrameIndex b, double tolerance, Evidence evidence);
 
-  /// The same where `a`, `f`, `b` are positions of frames that are not evenly spaced; `weight` is that of
-  /// `b`.
-  double left_out(api::FrameIndex a, api::FrameIndex f, api::FrameIndex b, float weight) const;
-
-  /// Is e <= `tolerance` for every patch and frame between `a` and `b`? Quick where it is not: patches that
-  /// refused before are asked first.
-  bool within(api::FrameIndex a, api::FrameIndex b, double tolerance);
-
-  /// Largest e over the frames between `a` and `b`; 0 where there are none.
-  double largest(api::FrameIndex a, api::FrameIndex b) const;
+  /// Largest e over the patches, [frame], interpolated from `knots` (increasing, first and last frame
+  /// included); by the mean of the replicates.
+  std::vector<double> largest(std::span<const api::FrameIndex> knots, api::Interpolation interpolation) const;
 
  private:
-  float of_patch(PatchId patch, api::FrameIndex a, api::FrameIndex f, api::FrameIndex b, float weight) const;
+  float of_patch(PatchId patch, api::FrameIndex a, api::FrameIndex f, api::FrameIndex b,
+                 Evidence evidence) const;
+  const Rgb* values(PatchId patch, api::FrameIndex f) const {
+    return values_.data() + (std::size_t{patch} * frame_count_ + f) * stride_;
+  }
 
-  const PatchSeries& interpolated_;
-  std::vector<float> noise_;            ///< [patch], or empty
-  std::vector<float> scale_;            ///< 1 / max(max_c B, mean B / 2), [patch][frame]
+  std::uint32_t frame_count_, group_count_;
+  std::size_t stride_;                  ///< group_count_ (1 + replicates)
+  std::vector<Rgb> values_;             ///< [patch][frame][group][mean, then replicates]
+  std::vector<Rgb> weights_;            ///< rho scale, [patch][frame][group]
+  std::vector<float> relative_;         ///< 1 / max(max_c B, mean B / 2), [patch][frame]
   std::vector<PatchId> refused_first_;  ///< all patches, those that refused lately in front
 };
 

@@ -1,52 +1,105 @@
 #include "engine/keyframes/select_key_frames.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
-#include "engine/interpolate/interpolate.h"
 #include "engine/keyframes/fewest_key_frames.h"
+#include "engine/keyframes/interpolation_error.h"
+#include "engine/keyframes/jumps.h"
 #include "engine/keyframes/table1.h"
 
 namespace engine {
 namespace {
 
-float largest_difference(Rgb a, Rgb b) {
-  return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
+using Frames = std::vector<FrameIndex>;
+
+bool contains(const Frames& frames, FrameIndex frame) {
+  return std::binary_search(frames.begin(), frames.end(), frame);
 }
 
-/// Appends the frames on both sides of every switching of a light: from one frame to the next some channel
-/// changes by more than half of the largest exitance that the material has in any frame. A ramp takes two
-/// frames at least, so its steps are never more than half. Lesser steps are left to the search for keys.
-void add_switched_lights(const std::vector<Rgb>& exitance, std::vector<FrameIndex>& forced) {
-  float largest = 0;
-  for (const Rgb e : exitance) largest = std::max(largest, max_channel(e));
-  for (FrameIndex f = 1; f < exitance.size(); ++f)
-    if (largest_difference(exitance[f], exitance[f - 1]) > 0.5f * largest)
-      forced.insert(forced.end(), {f - 1, f});
-}
-
-/// The frames on both sides of every appearance and disappearance and of every light that is switched.
-std::vector<FrameIndex> frames_at_jumps(const Animation& animation) {
-  std::vector<FrameIndex> forced;
-  for (const auto& exitance : animation.emission.exitance_w_m2) add_switched_lights(exitance, forced);
-  const FrameIndex last = animation.frame_count - 1;
-  for (const ObjectMotion& motion : animation.objects)
-    for (std::size_t s = 0; s < motion.spans.size(); ++s) {
-      const PoseSpan& span = motion.spans[s];
-      const bool appears = span.first > 0 && (s == 0 || motion.spans[s - 1].last + 1 < span.first);
-      const bool leaves =
-          span.last < last && (s + 1 == motion.spans.size() || motion.spans[s + 1].first > span.last + 1);
-      if (appears) forced.insert(forced.end(), {span.first - 1, span.first});
-      if (leaves) forced.insert(forced.end(), {span.last, span.last + 1});
-    }
+/// Jumps, and the frames that windows of frames share.
+Frames forced_keys(const Animation& animation, const Estimate& estimate) {
+  std::vector<LightGroup> groups;
+  for (const LitGroup& lit : estimate.groups) groups.push_back(lit.group);
+  Frames forced = frames_at_jumps(animation, groups);
+  for (FrameIndex f = kIntervalMax; f + 1 < animation.frame_count; f += kIntervalMax) forced.push_back(f);
   std::sort(forced.begin(), forced.end());
   forced.erase(std::unique(forced.begin(), forced.end()), forced.end());
   return forced;
 }
 
-std::vector<FrameIndex> middles(const std::vector<FrameIndex>& keys) {
-  std::vector<FrameIndex> middle;
+/// Search by linear interpolation on what the estimate has.
+class Search {
+ public:
+  Search(const Estimator& estimator, const api::LightingOptions& options, const Frames& forced,
+         const Progress& progress)
+      : error_(estimator.lit(), estimator.estimate(), options.interpolated),
+        options_(options),
+        forced_(forced),
+        progress_(progress) {}
+
+  api::Result<Frames> keys(Evidence evidence) {
+    return fewest_key_frames(
+        error_.frame_count(),
+        [&](FrameIndex a, FrameIndex b) { return error_.within(a, b, options_.tolerance, evidence); },
+        forced_, progress_);
+  }
+
+  std::vector<double> errors(const Frames& keys) const {
+    return error_.largest(keys, options_.interpolation);
+  }
+
+ private:
+  InterpolationError error_;
+  const api::LightingOptions& options_;
+  const Frames& forced_;
+  const Progress& progress_;
+};
+
+/// Adds the worst frame of every interval in which the interpolation that is used is worse than the linear
+/// one the search was made by, until there is none.
+Frames recheck(const Search& search, double tolerance, Frames keys) {
+  for (;;) {
+    const std::vector<double> errors = search.errors(keys);
+    Frames more;
+    for (std::size_t k = 0; k + 1 < keys.size(); ++k) {
+      const auto worst = std::max_element(errors.begin() + keys[k], errors.begin() + keys[k + 1]);
+      if (*worst > tolerance) more.push_back(static_cast<FrameIndex>(worst - errors.begin()));
+    }
+    if (more.empty()) return keys;
+    Frames all;
+    std::merge(keys.begin(), keys.end(), more.begin(), more.end(), std::back_inserter(all));
+    keys = std::move(all);
+  }
+}
+
+api::Result<KeyFrames> by_interpolation_error(Estimator& estimator, const api::LightingOptions& options,
+                                              const Progress& progress) {
+  const Frames forced = forced_keys(estimator.lit().animation, estimator.estimate());
+  for (int round = 0;; ++round) {
+    const std::uint64_t have = estimator.estimate().line_count;
+    const Progress part = part_of(progress, 1 - 1.0 / (1 << round), 1 - 1.0 / (2 << round));
+    if (const auto s = estimator.add_lines(have > 0 ? have : options.estimate_line_count, part); !s)
+      return s.error();
+    Search search(estimator, options, forced, part);
+    const auto many = search.keys(Evidence::surely), few = search.keys(Evidence::hardly);
+    auto keys = search.keys(Evidence::likely);
+    if (!many || !few || !keys) return api::Error{api::Fault::stopped, "stopped while choosing key-frames"};
+    const std::size_t open = many->size() - std::min(few->size(), many->size());
+    if (open > std::max<std::size_t>(1, few->size() / 10) && round < kEstimateRounds) continue;
+    KeyFrames chosen;
+    chosen.keys = recheck(search, options.tolerance, std::move(*keys));
+    chosen.checks = middles(chosen.keys);
+    chosen.predicted_error = search.errors(chosen.keys);
+    merge_solved(chosen);
+    return chosen;
+  }
+}
+
+}  // namespace
+
+Frames middles(const Frames& keys) {
+  Frames middle;
   for (std::size_t k = 0; k + 1 < keys.size(); ++k)
     if (keys[k + 1] - keys[k] > 1) middle.push_back(keys[k] + (keys[k + 1] - keys[k]) / 2);
   return middle;
@@ -58,82 +111,54 @@ void merge_solved(KeyFrames& chosen) {
              std::back_inserter(chosen.solved));
 }
 
-bool contains(const std::vector<FrameIndex>& frames, FrameIndex frame) {
-  return std::binary_search(frames.begin(), frames.end(), frame);
+KeyFrames all_frames(std::uint32_t frame_count) {
+  KeyFrames chosen;
+  chosen.keys.resize(frame_count);
+  std::iota(chosen.keys.begin(), chosen.keys.end(), 0u);
+  merge_solved(chosen);
+  return chosen;
 }
 
-/// What each frame is, and, where `error` is given, how well it is expected to be interpolated.
-void describe(const InterpolationError* error, std::uint32_t frame_count, KeyFrames& chosen) {
+api::Result<KeyFrames> select_key_frames(Estimator& estimator, const api::LightingOptions& options,
+                                         const Progress& progress) {
+  if (options.mode == api::LightingMode::standard)
+    return by_interpolation_error(estimator, options, progress);
+  if (const auto s = estimator.add_lines(options.estimate_line_count, progress); !s) return s.error();
+  const LastKey last = options.mode == api::LightingMode::paper_literal ? LastKey::lost : LastKey::marked;
+  KeyFrames chosen;
+  chosen.keys = table1_key_frames(estimator.lit(), estimator.estimate().radiosity_w_m2, options.metric,
+                                  options.epsilon, last);
+  merge_solved(chosen);
+  return chosen;
+}
+
+api::KeyFrameReport report_of(const KeyFrames& chosen, const api::LightingOptions& options,
+                              std::uint32_t frame_count) {
+  api::KeyFrameReport report;
+  report.mode = options.mode;
+  const bool promises = options.mode == api::LightingMode::standard;
+  if (promises) report.tolerance = options.tolerance;
   for (FrameIndex frame = 0; frame < frame_count; ++frame) {
     api::FrameRecord record{frame, api::FrameKind::interpolated, std::nullopt};
     if (contains(chosen.keys, frame)) record.kind = api::FrameKind::key;
     if (contains(chosen.checks, frame)) record.kind = api::FrameKind::check;
-    const Between at = between(chosen.solved, frame);
-    if (at.before == at.after)
+    if (record.kind != api::FrameKind::interpolated)
       record.error = 0.0;
-    else if (error)
-      record.error = error->at(chosen.solved[at.before], frame, chosen.solved[at.after]);
-    chosen.report.frames.push_back(record);
+    else if (!chosen.predicted_error.empty())
+      record.error = chosen.predicted_error[frame];
+    report.frames.push_back(record);
   }
   for (std::size_t k = 0; k + 1 < chosen.keys.size(); ++k) {
     api::KeyFrameInterval interval;
     interval.first = chosen.keys[k];
     interval.last = chosen.keys[k + 1];
-    if (error) interval.predicted_error = error->largest(interval.first, interval.last);
-    chosen.report.intervals.push_back(interval);
+    if (!chosen.predicted_error.empty())
+      interval.predicted_error = *std::max_element(chosen.predicted_error.begin() + interval.first,
+                                                   chosen.predicted_error.begin() + interval.last + 1);
+    if (promises && interval.predicted_error) interval.kept = *interval.predicted_error <= options.tolerance;
+    report.intervals.push_back(interval);
   }
-}
-
-}  // namespace
-
-KeyFrames all_frames(const api::LightingOptions& options, std::uint32_t frame_count) {
-  KeyFrames chosen;
-  chosen.report.mode = options.mode;
-  chosen.keys.resize(frame_count);
-  std::iota(chosen.keys.begin(), chosen.keys.end(), 0u);
-  merge_solved(chosen);
-  describe(nullptr, frame_count, chosen);
-  return chosen;
-}
-
-api::Result<KeyFrames> select_key_frames(const Scene& scene, const Animation& animation,
-                                         const StaticRays& static_rays, const Estimate& estimate,
-                                         const api::LightingOptions& options, const Progress& progress) {
-  KeyFrames chosen;
-  chosen.report.mode = options.mode;
-  if (options.mode == api::LightingMode::standard) {
-    const LitScene lit{scene, animation, estimate.patches, static_rays};
-    InterpolationError error(lit, estimate.radiosity_w_m2, estimate.indirect_w_m2, estimate.noise_w_m2);
-    auto keys = fewest_key_frames(error, options.tolerance, frames_at_jumps(animation), progress);
-    if (!keys) return keys.error();
-    chosen.keys = std::move(*keys);
-    chosen.checks = middles(chosen.keys);
-    merge_solved(chosen);
-    describe(&error, animation.frame_count, chosen);
-    return chosen;
-  }
-  const LastKey last = options.mode == api::LightingMode::paper_literal ? LastKey::lost : LastKey::marked;
-  chosen.keys = table1_key_frames(estimate.patches, estimate.radiosity_w_m2, options.epsilon, last);
-  merge_solved(chosen);
-  describe(nullptr, animation.frame_count, chosen);
-  return chosen;
-}
-
-void observe_errors(const LitScene& lit, const PatchSeries& radiosity_w_m2,
-                    const PatchSeries& interpolated_w_m2, KeyFrames& key_frames) {
-  const InterpolationError error(lit, radiosity_w_m2, interpolated_w_m2);
-  const auto position = [&](FrameIndex frame) {
-    return static_cast<FrameIndex>(
-        std::lower_bound(key_frames.solved.begin(), key_frames.solved.end(), frame) -
-        key_frames.solved.begin());
-  };
-  for (api::KeyFrameInterval& interval : key_frames.report.intervals) {
-    const auto check = std::upper_bound(key_frames.checks.begin(), key_frames.checks.end(), interval.first);
-    if (check == key_frames.checks.end() || *check >= interval.last) continue;
-    interval.observed_error = error.left_out(
-        position(interval.first), position(*check), position(interval.last),
-        static_cast<float>(*check - interval.first) / static_cast<float>(interval.last - interval.first));
-  }
+  return report;
 }
 
 }  // namespace engine

@@ -12,25 +12,30 @@ struct KeyFrames {
   std::vector<api::FrameIndex> keys;    ///< increasing, first and last frame included
   std::vector<api::FrameIndex> checks;  ///< mode `default`: the middle of each interval, solved as well
   std::vector<api::FrameIndex> solved;  ///< both, increasing
-  api::KeyFrameReport report;           ///< without the observed errors
+  std::vector<double> predicted_error;  ///< [frame] from the keys alone; empty where nothing predicts it
 };
 
-/// Mode `reference`: every frame; no estimate is needed.
-KeyFrames all_frames(const api::LightingOptions& options, std::uint32_t frame_count);
+/// Modes `reference` and `frame-by-frame`: every frame; no estimate is needed.
+KeyFrames all_frames(std::uint32_t frame_count);
 
-/// The other modes, on the estimate: Table 1 on the power of total radiosity, or the fewest keys whose
-/// interpolation of the indirect light (of all of it where lines carry everything) stays within the
-/// tolerance. In the latter mode pairs of frames are forced between which an object appears or disappears, or
-/// a light is switched: a channel of a material's exitance changes by more than half of the largest that the
-/// material has in any frame (a ramp over two frames or more does not).
+/// The other modes, on an estimate that has no lines yet: Table 1 on total radiosity, or the fewest keys
+/// whose interpolation stays within the tolerance. In the latter mode lines are added, doubling them up to
+/// kEstimateRounds times, while the noise of the estimate leaves the number of keys open: while the keys that
+/// are surely enough are more than one or a tenth above those that are hardly enough. Then the mean of the
+/// replicates decides. Forced: the pairs of frames at jumps (jumps.h), and every kIntervalMax-th frame.
 /// Error: stopped.
-api::Result<KeyFrames> select_key_frames(const Scene& scene, const Animation& animation,
-                                         const StaticRays& static_rays, const Estimate& estimate,
-                                         const api::LightingOptions& options, const Progress& progress);
+api::Result<KeyFrames> select_key_frames(Estimator& estimator, const api::LightingOptions& options,
+                                         const Progress& progress);
+inline constexpr int kEstimateRounds = 3;
 
-/// Fills in what the solution says of each interval with a check frame: the error of having left it out.
-/// radiosity, interpolated: of the solved frames, [patch][position in key_frames.solved].
-void observe_errors(const LitScene& lit, const PatchSeries& radiosity_w_m2,
-                    const PatchSeries& interpolated_w_m2, KeyFrames& key_frames);
+/// The middle of each interval that has one.
+std::vector<api::FrameIndex> middles(const std::vector<api::FrameIndex>& keys);
+
+/// Fills `solved` from keys and checks.
+void merge_solved(KeyFrames& chosen);
+
+/// What each frame is, and what is expected of the intervals; no observed errors yet.
+api::KeyFrameReport report_of(const KeyFrames& chosen, const api::LightingOptions& options,
+                              std::uint32_t frame_count);
 
 }  // namespace engine

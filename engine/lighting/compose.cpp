@@ -1,8 +1,10 @@
 #include "engine/lighting/compose.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
-#include "engine/base/parallel.h"
+#include "engine/lighting/gather.h"
 #include "engine/patches/placed_facet.h"
 
 namespace engine {
@@ -17,35 +19,78 @@ std::vector<std::vector<bool>> presence(const Animation& animation, std::span<co
   return there;
 }
 
-/// Sets every value to make(patch, position) where the patch's object is there, to 0 elsewhere.
+/// Replaces every value by make(patch, position, value) where the patch's object is there, by 0 elsewhere.
 template <class Make>
-void fill(const LitScene& lit, std::span<const FrameIndex> frames, PatchSeries& series, Make&& make) {
+void replace(const LitScene& lit, std::span<const FrameIndex> frames, PatchSeries& series, Make&& make) {
   const auto there = presence(lit.animation, frames);
-  parallel_for(lit.patches.facets.size(), [&](std::size_t f) {
-    const Facet& facet = lit.patches.facets[f];
-    for (PatchId patch = facet.first_patch; patch < facet.first_patch + facet.patch_count(); ++patch)
-      for (std::uint32_t k = 0; k < frames.size(); ++k)
-        series.at(patch, k) = there[facet.object][k] ? make(patch, k) : Rgb{};
+  for_each_patch(series.patch_count, {}, [&](PatchId patch) {
+    const auto& present = there[lit.patches.facets[lit.patches.facet_of[patch]].object];
+    Rgb* row = series.row(patch);
+    for (std::uint32_t k = 0; k < frames.size(); ++k) row[k] = present[k] ? make(patch, k, row[k]) : Rgb{};
   });
+}
+
+Rgb square_root(Rgb value) {
+  return {std::sqrt(std::max(0.0f, value.r)), std::sqrt(std::max(0.0f, value.g)),
+          std::sqrt(std::max(0.0f, value.b))};
 }
 
 }  // namespace
 
-PatchSeries compose_radiosity(const LitScene& lit, std::span<const FrameIndex> frames,
-                              const PatchSeries* direct, const PatchSeries& indirect) {
-  PatchSeries radiosity(lit.patches.count(), static_cast<std::uint32_t>(frames.size()));
-  const std::vector<Rgb> reflectance = reflectance_of_patches(lit.scene, lit.patches);
-  fill(lit, frames, radiosity, [&](PatchId patch, std::uint32_t k) {
-    const Rgb arriving = direct ? direct->at(patch, k) + indirect.at(patch, k) : indirect.at(patch, k);
-    return exitance_of_patch(lit, patch, frames[k]) + reflectance[patch] * arriving;
+void add_scaled(const LightGroup& group, const PatchSeries& part, std::span<const FrameIndex> frames,
+                PatchSeries& sum) {
+  for_each_patch(sum.patch_count, {}, [&](PatchId patch) {
+    const Rgb* from = part.row(patch);
+    Rgb* to = sum.row(patch);
+    for (std::uint32_t k = 0; k < frames.size(); ++k) to[k] += in_frame(group.scale, frames[k]) * from[k];
   });
-  return radiosity;
 }
 
-void reflect(const LitScene& lit, std::span<const FrameIndex> frames, PatchSeries& irradiance) {
-  const std::vector<Rgb> reflectance = reflectance_of_patches(lit.scene, lit.patches);
-  fill(lit, frames, irradiance,
-       [&](PatchId patch, std::uint32_t k) { return reflectance[patch] * irradiance.at(patch, k); });
+PatchSeries direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames) {
+  const PatchSeries& first = groups[0]->direct.irradiance_w_m2;
+  PatchSeries sum(first.patch_count, first.frame_count);
+  for (const LitGroup* lit : groups) add_scaled(lit->group, lit->direct.irradiance_w_m2, frames, sum);
+  return sum;
+}
+
+void to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
+                  std::span<const FrameIndex> frames, PatchSeries& irradiance) {
+  replace(lit, frames, irradiance, [&](PatchId patch, std::uint32_t k, Rgb arriving) {
+    Rgb exitance;
+    for (const LitGroup* group : groups)
+      exitance +=
+          in_frame(group->group.scale, frames[k]) * lit.exitance(group->group.emission, patch, frames[k]);
+    return exitance + lit.reflectance(patch, frames[k]) * arriving;
+  });
+}
+
+void to_standard_error(const LitScene& lit, std::span<const LitGroup* const> groups,
+                       std::span<const FrameIndex> frames, PatchSeries& variance) {
+  replace(lit, frames, variance, [&](PatchId patch, std::uint32_t k, Rgb sum) {
+    for (const LitGroup* group : groups) {
+      if (group->direct.variance.values.empty()) continue;
+      const Rgb scale = in_frame(group->group.scale, frames[k]);
+      sum += scale * scale * group->direct.variance.at(patch, k);
+    }
+    return lit.reflectance(patch, frames[k]) * square_root(sum);
+  });
+}
+
+bool ever_emits(const LitScene& lit, PatchId patch) {
+  return !lit.patches.is_back(patch) && lit.animation.emission.ever_emits(lit.material_of(patch));
+}
+
+double mean_radiosity(const LitScene& lit, const PatchSeries& radiosity_w_m2) {
+  double sum = 0, area = 0;
+  for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
+    if (ever_emits(lit, patch)) continue;
+    double of_patch = 0;
+    for (std::uint32_t k = 0; k < radiosity_w_m2.frame_count; ++k)
+      of_patch += double{max_channel(radiosity_w_m2.at(patch, k))};
+    sum += lit.patches.area_m2[patch] * of_patch;
+    area += double{lit.patches.area_m2[patch]} * radiosity_w_m2.frame_count;
+  }
+  return area > 0 ? sum / area : 0;
 }
 
 }  // namespace engine

@@ -2,17 +2,45 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
-#include "engine/lighting/light_sequence.h"
+#include "engine/animation/light_groups.h"
+#include "engine/direct/direct_light.h"
+#include "engine/lighting/lit_scene.h"
+#include "engine/lighting/radiosity.h"
 
 namespace engine {
 
-/// B = E + rho (H_direct + H_indirect), [patch][position in `frames`]  [W/m^2]; 0 in frames where the patch's
-/// object is not there. `direct` may be null: then H_indirect is all that arrives.
-PatchSeries compose_radiosity(const LitScene& lit, std::span<const FrameIndex> frames,
-                              const PatchSeries* direct, const PatchSeries& indirect);
+/// A group of lights and the direct light it gives by itself.
+struct LitGroup {
+  LightGroup group;
+  DirectLight direct;  ///< [patch][position in the frames that are lit]; empty where lines carry everything
+};
 
-/// Turns irradiance into what of it is reflected, in place; 0 in frames where the object is not there.
-void reflect(const LitScene& lit, std::span<const FrameIndex> frames, PatchSeries& irradiance);
+/// Irradiance from all of `groups`, sum_g scale_g(f) H_g  [W/m^2], [patch][position in `frames`], which are
+/// those their direct light was computed for.
+PatchSeries direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames);
+
+/// B = E + rho H, in place: H, all the irradiance that arrives, becomes B  [W/m^2]. 0 in frames where the
+/// patch's object is not there.
+void to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
+                  std::span<const FrameIndex> frames, PatchSeries& irradiance);
+
+/// Standard error of B, in place of the variance of the indirect irradiance, per channel:
+///
+///     s_B = rho sqrt(var X + sum_g scale_g^2 var H_g)                        [W/m^2]
+void to_standard_error(const LitScene& lit, std::span<const LitGroup* const> groups,
+                       std::span<const FrameIndex> frames, PatchSeries& variance);
+
+/// Adds scale(f) * part to `sum`, [patch][position in `frames`].
+void add_scaled(const LightGroup& group, const PatchSeries& part, std::span<const FrameIndex> frames,
+                PatchSeries& sum);
+
+/// Area-weighted mean of the largest channel of B over `frames` positions and the patches that never emit:
+/// what errors are relative to  [W/m^2].
+double mean_radiosity(const LitScene& lit, const PatchSeries& radiosity_w_m2);
+
+/// Is it the front of a material that emits in some frame?
+bool ever_emits(const LitScene& lit, PatchId patch);
 
 }  // namespace engine

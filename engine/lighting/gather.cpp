@@ -1,15 +1,12 @@
 #include "engine/lighting/gather.h"
 
 #include <algorithm>
-#include <atomic>
+#include <array>
 
-#include "engine/base/parallel.h"
 #include "engine/lighting/row_kernels.h"
 
 namespace engine {
 namespace {
-
-constexpr std::uint32_t kRowsPerTask = 16;
 
 const float* floats(const Rgb* row) {
   return reinterpret_cast<const float*>(row);
@@ -18,41 +15,59 @@ float* floats(Rgb* row) {
   return reinterpret_cast<float*>(row);
 }
 
+/// What one row of M_f b comes to before it is divided, in the columns of a window.
+struct RowSum {
+  std::array<Rgb, kWindowMax> values;
+  explicit RowSum(std::uint32_t columns) { std::fill_n(values.begin(), columns, Rgb{}); }
+};
+
 }  // namespace
 
-SampledOperator::SampledOperator(const Patches& patches, const TracedLines& lines)
-    : patches_(patches), lines_(lines), empty_rows_(patches, lines) {}
-
-bool SampledOperator::apply(const PatchSeries& radiosity, PatchSeries& irradiance,
-                            const Progress& progress) const {
-  const std::uint32_t count = patches_.count();
-  std::atomic<bool> stopped = false;
-  parallel_for((count + kRowsPerTask - 1) / kRowsPerTask, [&](std::size_t task) {
-    if (stopped || progress.stop_requested()) {
-      stopped = true;
-      return;
-    }
-    const PatchId first = static_cast<PatchId>(task) * kRowsPerTask;
-    for (PatchId patch = first; patch < std::min(first + kRowsPerTask, count); ++patch)
-      gather_row(patch, radiosity, irradiance.row(patch));
-  });
-  if (!stopped) empty_rows_.fill(irradiance);
-  return !stopped;
+Columns::Columns(std::vector<std::uint32_t> slots, std::uint32_t slot_count)
+    : slots_(std::move(slots)), before_(slot_count + 1, 0) {
+  for (const std::uint32_t slot : slots_) before_[slot + 1] = 1;
+  for (std::uint32_t slot = 0; slot < slot_count; ++slot) before_[slot + 1] += before_[slot];
 }
 
-void SampledOperator::gather_row(PatchId patch, const PatchSeries& radiosity, Rgb* out) const {
-  const std::uint32_t slots = lines_.slot_count;
-  std::fill_n(out, slots, Rgb{});
-  add_rows(floats(out), floats(radiosity.values.data()), 3 * std::size_t{slots},
-           lines_.static_rows.row(patch));
-  for (const SlotExchange& change : lines_.moving_rows.row(patch)) {
-    const std::size_t width = 3 * (std::size_t{change.last_slot} - change.first_slot + 1);
-    add_scaled(floats(out + change.first_slot), floats(radiosity.row(change.sender) + change.first_slot),
-               change.weight, width);
+void SampledOperator::gather_at_rest(const PatchSeries& b, PatchId patch, Rgb* to) const {
+  std::fill_n(to, b.frame_count, Rgb{});
+  const std::uint32_t crossings = lines_.crossings.static_count[patch];
+  if (crossings == 0) return;
+  const std::size_t width = 3 * std::size_t{b.frame_count};
+  add_rows(floats(to), floats(b.values.data()), width, lines_.static_rows.row(patch));
+  const float share = 1.0f / static_cast<float>(crossings);
+  for (std::uint32_t c = 0; c < b.frame_count; ++c) to[c] = to[c] * share;
+}
+
+void SampledOperator::add_moving(const PatchSeries& b, const Columns& columns, PatchId patch, Rgb* to) const {
+  const auto changes = lines_.moving_rows.row(patch);
+  if (changes.empty()) return;
+  RowSum sum(columns.count());
+  for (const SlotExchange& change : changes) {
+    const std::uint32_t begin = columns.begin_of(change.first_slot), end = columns.end_of(change.last_slot);
+    if (begin < end)
+      add_scaled(floats(sum.values.data() + begin), floats(b.row(change.sender) + begin), change.weight,
+                 3 * std::size_t{end - begin});
   }
-  for (std::uint32_t slot = 0; slot < slots; ++slot) {
-    const std::uint32_t crossings = lines_.crossings.at(patch, slot);
-    out[slot] = crossings > 0 ? out[slot] * (1.0f / static_cast<float>(crossings)) : Rgb{};
+  for (std::uint32_t c = 0; c < columns.count(); ++c) {
+    const std::uint32_t crossings = lines_.crossings.at(patch, columns.slot(c));
+    if (crossings > 0) to[c] += sum.values[c] * (1.0f / static_cast<float>(crossings));
+  }
+}
+
+void SampledOperator::add_moving(std::span<const Rgb> b, const Columns& columns, PatchId patch,
+                                 Rgb* to) const {
+  const auto changes = lines_.moving_rows.row(patch);
+  if (changes.empty()) return;
+  RowSum sum(columns.count());
+  for (const SlotExchange& change : changes) {
+    const Rgb value = b[change.sender] * static_cast<float>(change.weight);
+    const std::uint32_t end = columns.end_of(change.last_slot);
+    for (std::uint32_t c = columns.begin_of(change.first_slot); c < end; ++c) sum.values[c] += value;
+  }
+  for (std::uint32_t c = 0; c < columns.count(); ++c) {
+    const std::uint32_t crossings = lines_.crossings.at(patch, columns.slot(c));
+    if (crossings > 0) to[c] += sum.values[c] * (1.0f / static_cast<float>(crossings));
   }
 }
 

@@ -1,39 +1,79 @@
 // The sampled operator: what every patch receives from the patches that lines say it sees.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
+#include <span>
 #include <vector>
 
-#include "engine/lighting/empty_rows.h"
+#include "engine/base/parallel.h"
+#include "engine/base/progress.h"
 #include "engine/lighting/radiosity.h"
 #include "engine/lines/trace_lines.h"
 
 namespace engine {
 
-/// T of H = T B, sampled by global lines and divided by actual crossings:
-///
-///     H_i = 1 / n_i  sum_j n_ij B_j                                          [W/m^2]
-///
-/// n_i  crossings of patch i        n_ij  those whose next surface on i's side is the front of j
-///
-/// Why the actual and not the expected crossings: conditionally on n_i each crossing is a cosine-distributed
-/// ray, so the ratio is unbiased and has no variance where B is uniform (the furnace).
-class SampledOperator {
+/// The slots of a traced window that a series has columns for, in order: column c is slot slots[c].
+class Columns {
  public:
-  SampledOperator(const Patches& patches, const TracedLines& lines);
+  /// slots: increasing, each below slot_count.
+  Columns(std::vector<std::uint32_t> slots, std::uint32_t slot_count);
 
-  /// H = T B. Each row is summed by one thread in a fixed order: the same bytes for any thread count. False,
-  /// and `irradiance` is unfinished, where it was told to stop.
-  bool apply(const PatchSeries& radiosity, PatchSeries& irradiance, const Progress& progress) const;
-
-  /// Rows that no line met; apply() gives them the mean of their polygon (else of their object, else 0).
-  const std::vector<EmptyRow>& empty_rows() const { return empty_rows_.rows(); }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(slots_.size()); }
+  std::uint32_t slot(std::uint32_t column) const { return slots_[column]; }
+  const std::vector<std::uint32_t>& slots() const { return slots_; }
+  /// Columns [begin, end) are those with slots in [first_slot, last_slot].
+  std::uint32_t begin_of(std::uint32_t first_slot) const { return before_[first_slot]; }
+  std::uint32_t end_of(std::uint32_t last_slot) const { return before_[last_slot + 1]; }
 
  private:
-  void gather_row(PatchId patch, const PatchSeries& radiosity, Rgb* out) const;
-
-  const Patches& patches_;
-  const TracedLines& lines_;
-  const EmptyRows empty_rows_;
+  std::vector<std::uint32_t> slots_;
+  std::vector<std::uint32_t> before_;  ///< [slot]: columns whose slot is less
 };
+
+/// T_f = T_s + M_f, sampled by lines and divided by actual crossings:
+///
+///     (T_f b)_i = 1 / n_i,f  sum_j n_ij,f b_j                                [W/m^2]
+///
+/// n_i,f   crossings of patch i in frame f     n_ij,f  those whose next surface on i's side is the front of j
+/// T_s     the scene without what moves; 0 in the rows of patches that move
+/// M_f     what the moving objects change of it, and the rows of patches that move: sparse
+///
+/// Why the actual and not the expected crossings: conditionally on n_i each crossing is a cosine-distributed
+/// ray, so the ratio is unbiased and has no variance where b is uniform (the furnace).
+/// Each row is summed by one thread in a fixed order: the same bytes for any number of threads.
+class SampledOperator {
+ public:
+  /// `lines` outlives it.
+  explicit SampledOperator(const TracedLines& lines) : lines_(lines) {}
+
+  /// to[column] = (T_s b)_i; `to` has as many as b has columns.
+  void gather_at_rest(const PatchSeries& b, PatchId patch, Rgb* to) const;
+
+  /// to[column] += (M_f b)_i, b with those columns.
+  void add_moving(const PatchSeries& b, const Columns& columns, PatchId patch, Rgb* to) const;
+
+  /// The same of a `b` that is equal in all frames, [patch].
+  void add_moving(std::span<const Rgb> b, const Columns& columns, PatchId patch, Rgb* to) const;
+
+ private:
+  const TracedLines& lines_;
+};
+
+/// Calls use(patch) for all patches from several threads. False where it was told to stop.
+template <class Use>
+bool for_each_patch(std::uint32_t count, const Progress& progress, Use&& use) {
+  constexpr std::uint32_t kPatchesPerTask = 16;
+  std::atomic<bool> stopped = false;
+  parallel_for((count + kPatchesPerTask - 1) / kPatchesPerTask, [&](std::size_t task) {
+    if (stopped || progress.stop_requested()) {
+      stopped = true;
+      return;
+    }
+    const PatchId first = static_cast<PatchId>(task) * kPatchesPerTask;
+    for (PatchId patch = first; patch < std::min(first + kPatchesPerTask, count); ++patch) use(patch);
+  });
+  return !stopped;
+}
 
 }  // namespace engine

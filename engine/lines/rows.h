@@ -45,12 +45,14 @@ std::uint64_t sort_and_merge(std::vector<Entry>& entries, std::uint64_t begin, s
 }
 
 /// Sorts the entries of all chunks by row, and within a row by value, and merges equal ones, so that neither
-/// the thread count nor the order of the chunks can be told from the result. Frees the chunks.
-template <class Entry>
-Rows<Entry> build_rows(std::uint32_t row_count, std::vector<std::vector<RowEntry<Entry>>>& chunks) {
+/// the thread count nor the order of the chunks can be told from the result. Frees `entries` of the chunks.
+template <class Chunk, class Entry>
+Rows<Entry> build_rows(std::uint32_t row_count, std::vector<Chunk>& chunks,
+                       std::vector<RowEntry<Entry>> Chunk::*entries) {
   std::vector<std::uint64_t> next(row_count + 1, 0);
   parallel_for(chunks.size(), [&](std::size_t c) {
-    for (const auto& e : chunks[c]) std::atomic_ref(next[e.row + 1]).fetch_add(1, std::memory_order_relaxed);
+    for (const auto& e : chunks[c].*entries)
+      std::atomic_ref(next[e.row + 1]).fetch_add(1, std::memory_order_relaxed);
   });
   for (std::uint32_t r = 0; r < row_count; ++r) next[r + 1] += next[r];
 
@@ -58,9 +60,9 @@ Rows<Entry> build_rows(std::uint32_t row_count, std::vector<std::vector<RowEntry
   rows.entries.resize(next[row_count]);
   rows.begin.assign(next.begin(), next.end() - 1);
   parallel_for(chunks.size(), [&](std::size_t c) {
-    for (const auto& e : chunks[c])
+    for (const auto& e : chunks[c].*entries)
       rows.entries[std::atomic_ref(next[e.row]).fetch_add(1, std::memory_order_relaxed)] = e.entry;
-    chunks[c] = {};
+    chunks[c].*entries = {};
   });
   rows.end.resize(row_count);
   constexpr std::uint32_t kRowsPerTask = 16;

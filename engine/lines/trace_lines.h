@@ -82,6 +82,16 @@ struct TracingCounts {
   std::uint64_t static_hits = 0;
   std::uint64_t moving_hits = 0;
   std::uint64_t touched_lines = 0;  ///< lines that a moving object meets in some slot
+  std::uint64_t local_lines = 0;    ///< through patches that too few of `lines` met
+
+  TracingCounts& operator+=(const TracingCounts& other) {
+    lines += other.lines;
+    static_hits += other.static_hits;
+    moving_hits += other.moving_hits;
+    touched_lines += other.touched_lines;
+    local_lines += other.local_lines;
+    return *this;
+  }
 };
 
 /// The exchanges along all lines, as differences from the scene without its moving objects.
@@ -94,12 +104,18 @@ struct TracedLines {
 };
 
 struct LineOptions {
-  std::uint64_t line_count = 0;  ///< 1 .. 2^32 - 1
+  std::uint64_t line_count = 0;  ///< 0 .. 2^32 - 1
   std::uint64_t seed = 1;
+  /// Patches that are crossed less often get local lines (add_local_rays) until they have as many: patches at
+  /// rest, and patches that move, in every slot.  [crossings]
+  std::uint32_t static_crossings_min = 1;
+  std::uint32_t moving_crossings_min = 8;
 };
 
-/// Traces `options.line_count` global lines through all poses of the window `frames` (1 .. kWindowMax frames,
-/// increasing) at once. The same seed gives the same lines for every window. Error: stopped.
+/// Traces `options.line_count` global lines through all poses of the window `frames` (0 .. kWindowMax frames,
+/// increasing; none: the scene at rest, without anything that moves) at once, and local lines where too few
+/// of them meet a patch. The same seed gives the same lines for every window, and of two counts the fewer
+/// are the first of the more. Error: stopped.
 api::Result<TracedLines> trace_lines(const Patches& patches, const Animation& animation,
                                      const StaticRays& static_rays, std::span<const FrameIndex> frames,
                                      const LineOptions& options, const Progress& progress);

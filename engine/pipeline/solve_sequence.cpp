@@ -1,12 +1,14 @@
 #include "engine/pipeline/solve_sequence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
-#include "engine/direct/direct_light.h"
 #include "engine/interpolate/interpolate.h"
-#include "engine/keyframes/select_key_frames.h"
-#include "engine/lighting/compose.h"
+#include "engine/keyframes/check_errors.h"
+#include "engine/pipeline/frame_by_frame.h"
+#include "engine/pipeline/light_directly.h"
+#include "engine/pipeline/light_indirectly.h"
 
 namespace engine {
 namespace {
@@ -19,26 +21,40 @@ Frames every_frame(const Animation& animation) {
   return frames;
 }
 
-api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const api::LightingOptions& options,
-                                         StageClock& clock) {
-  if (options.mode == api::LightingMode::reference) return all_frames(options, lit.animation.frame_count);
-  const auto estimate = estimate_lighting(lit.scene, lit.animation, lit.static_rays, options,
-                                          clock.begin(api::Stage::estimate));
-  if (!estimate) return estimate.error();
-  return select_key_frames(lit.scene, lit.animation, lit.static_rays, *estimate, options,
-                           clock.begin(api::Stage::keyframes));
+bool is_paper(api::LightingMode mode) {
+  return mode == api::LightingMode::paper || mode == api::LightingMode::paper_literal;
 }
 
-/// The columns of `series` (one per frame of `have`) that belong to `wanted`, a part of `have`.
-PatchSeries columns(const PatchSeries& series, const Frames& have, const Frames& wanted) {
-  PatchSeries taken(series.patch_count, static_cast<std::uint32_t>(wanted.size()));
-  std::vector<std::uint32_t> position;
-  for (const FrameIndex frame : wanted)
-    position.push_back(
-        static_cast<std::uint32_t>(std::lower_bound(have.begin(), have.end(), frame) - have.begin()));
-  for (PatchId patch = 0; patch < series.patch_count; ++patch)
-    for (std::uint32_t k = 0; k < taken.frame_count; ++k) taken.at(patch, k) = series.at(patch, position[k]);
-  return taken;
+/// The paper's modes interpolate everything, whatever else is said.
+api::LightingOptions made_consistent(api::LightingOptions options) {
+  if (is_paper(options.mode)) options.interpolated = api::Interpolated::total;
+  return options;
+}
+
+bool load(const Checkpoints& checkpoints, KeyFrames& chosen) {
+  auto saved = checkpoints.load("key-frames");
+  if (!saved || !saved->take(chosen.keys) || !saved->take(chosen.checks) ||
+      !saved->take(chosen.predicted_error))
+    return false;
+  merge_solved(chosen);
+  return true;
+}
+
+api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const std::vector<LightGroup>& groups,
+                                         const api::LightingOptions& options, Checkpoints& checkpoints,
+                                         StageClock& clock, api::JobReport& report) {
+  if (options.mode == api::LightingMode::reference) return all_frames(lit.animation.frame_count);
+  KeyFrames saved;
+  if (load(checkpoints, saved)) return saved;
+  auto estimator = Estimator::begin(lit.scene, lit.animation, lit.static_rays, groups, options,
+                                    clock.begin(api::Stage::estimate));
+  if (!estimator) return estimator.error();
+  auto chosen = select_key_frames(*estimator, options, clock.begin(api::Stage::keyframes));
+  if (!chosen) return chosen.error();
+  report.counts.emplace_back("estimate_lines", static_cast<double>(estimator->estimate().line_count));
+  (void)checkpoints.save("key-frames", {part_of_checkpoint(chosen->keys), part_of_checkpoint(chosen->checks),
+                                        part_of_checkpoint(chosen->predicted_error)});
+  return chosen;
 }
 
 void add_counts(const KeyFrames& chosen, const SolveCounts& counts, api::JobReport& report) {
@@ -48,6 +64,7 @@ void add_counts(const KeyFrames& chosen, const SolveCounts& counts, api::JobRepo
   add("key_frames", chosen.keys.size());
   add("check_frames", chosen.checks.size());
   add("lines", counts.tracing.lines);
+  add("local_lines", counts.tracing.local_lines);
   add("lines_touched_by_moving_objects", counts.tracing.touched_lines);
   add("static_hits", counts.tracing.static_hits);
   add("moving_hits", counts.tracing.moving_hits);
@@ -57,84 +74,180 @@ void add_counts(const KeyFrames& chosen, const SolveCounts& counts, api::JobRepo
   add("iterations", counts.iterations);
 }
 
-/// Share of rows without crossings beyond which a report warns.
-constexpr double kEmptyShareMax = 0.01;
-
-bool is_paper(api::LightingMode mode) {
-  return mode == api::LightingMode::paper || mode == api::LightingMode::paper_literal;
-}
-
-/// The error of each interval at its check frame.
-void observe(const LitScene& lit, const PatchSeries* direct, const PatchSeries& irradiance,
-             KeyFrames& chosen) {
-  const PatchSeries solved = compose_radiosity(lit, chosen.solved, direct, irradiance);
-  PatchSeries reflected = irradiance;
-  reflect(lit, chosen.solved, reflected);
-  observe_errors(lit, solved, reflected, chosen);
-}
-
 /// What a user should know of a solution that is there but poor.
-void warn(const LitScene& lit, const KeyFrames& chosen, const SolveCounts& counts, api::JobReport& report) {
+void warn(const SolveCounts& counts, api::JobReport& report) {
   if (!counts.converged)
     report.warnings.push_back("the light had not died down after " + std::to_string(counts.iterations) +
                               " bounces: reflectances near 1 make the result too dark");
-  const double rows = static_cast<double>(lit.patches.count()) * static_cast<double>(chosen.solved.size());
-  const double share = static_cast<double>(counts.empty_rows) / rows;
-  if (share > kEmptyShareMax)
-    report.warnings.push_back(
-        std::to_string(static_cast<int>(100 * share)) +
-        " % of the patches were met by no line and took the mean of their polygon or object; "
-        "raise line_count or patch_edge_m");
+  if (counts.empty_rows > 0)
+    report.warnings.push_back(std::to_string(counts.empty_rows) +
+                              " patches and frames could not be met by any line and got no indirect light: "
+                              "their polygons are too thin");
+}
+
+/// What the solution said of each interval at its check frames.
+void observe(const KeyFrames& chosen, const PatchSeries& missed_w_m2, const PatchSeries& radiosity_w_m2,
+             double mean, const api::LightingOptions& options, api::KeyFrameReport& report) {
+  PatchSeries at_checks(missed_w_m2.patch_count, missed_w_m2.frame_count);
+  for (PatchId patch = 0; patch < at_checks.patch_count; ++patch)
+    for (std::uint32_t c = 0; c < at_checks.frame_count; ++c)
+      at_checks.at(patch, c) = radiosity_w_m2.at(patch, chosen.checks[c]);
+  const std::vector<double> errors = largest_errors(missed_w_m2, at_checks, 0.5 * mean);
+  for (api::KeyFrameInterval& interval : report.intervals) {
+    const auto check = std::upper_bound(chosen.checks.begin(), chosen.checks.end(), interval.first);
+    if (check == chosen.checks.end() || *check >= interval.last) continue;
+    interval.observed_error = errors[static_cast<std::size_t>(check - chosen.checks.begin())];
+    interval.kept = *interval.observed_error <= options.tolerance;
+  }
+}
+
+/// The radiosity of every frame, and what comes with it, from the light of some or all frames.
+class Composer {
+ public:
+  Composer(const LitScene& lit, const api::LightingOptions& options, const std::vector<LitGroup>& groups,
+           const Frames& frames)
+      : lit_(lit), options_(options), groups_(groups), frames_(frames), all_(every_frame(lit.animation)) {}
+
+  /// Of the groups named `name`, or of all (null); `indirect` in their frames.
+  PatchSeries radiosity(const std::string* name, PatchSeries indirect) const {
+    const auto of_name = named(name);
+    if (options_.direct == api::DirectLight::apart) {
+      const PatchSeries direct = direct_irradiance(of_name, frames_);
+      for (std::size_t k = 0; k < direct.values.size(); ++k) indirect.values[k] += direct.values[k];
+    }
+    to_radiosity(lit_, of_name, frames_, indirect);
+    return in_every_frame(std::move(indirect), options_.interpolation);
+  }
+
+  PatchSeries standard_error(PatchSeries variance) const {
+    to_standard_error(lit_, named(nullptr), frames_, variance);
+    return in_every_frame(std::move(variance), api::Interpolation::linear);
+  }
+
+ private:
+  std::vector<const LitGroup*> named(const std::string* name) const {
+    std::vector<const LitGroup*> found;
+    for (const LitGroup& group : groups_)
+      if (!name || group.group.name == *name) found.push_back(&group);
+    return found;
+  }
+
+  PatchSeries in_every_frame(PatchSeries series, api::Interpolation interpolation) const {
+    if (frames_ == all_) return series;
+    return interpolate(series, Interpolator(frames_, all_, interpolation));
+  }
+
+  const LitScene& lit_;
+  const api::LightingOptions& options_;
+  const std::vector<LitGroup>& groups_;
+  const Frames& frames_;
+  const Frames all_;
+};
+
+std::string file_of_group(const std::string& name) {
+  return "radiosity_" + (name.empty() ? "other" : name) + ".npy";
+}
+
+/// Keeps of the direct light the frames that were solved after it was computed in all.
+void keep_frames(const Frames& all, const Frames& wanted, std::vector<LitGroup>& groups) {
+  const auto keep = [&](PatchSeries& series) {
+    if (series.values.empty()) return;
+    PatchSeries kept(series.patch_count, static_cast<std::uint32_t>(wanted.size()));
+    for (PatchId patch = 0; patch < series.patch_count; ++patch)
+      for (std::uint32_t k = 0; k < wanted.size(); ++k) kept.at(patch, k) = series.at(patch, wanted[k]);
+    series = std::move(kept);
+  };
+  if (wanted == all) return;
+  for (LitGroup& group : groups) {
+    if (group.direct.irradiance_w_m2.frame_count != all.size()) continue;
+    keep(group.direct.irradiance_w_m2);
+    keep(group.direct.variance);
+  }
+}
+
+void report_noise(const LitScene& lit, const SolvedSequence& solved, const PatchSeries& error,
+                  const api::LightingOptions& options, api::JobReport& report) {
+  const double mean = mean_radiosity(lit, solved.radiosity_w_m2);
+  report.noise = mean > 0 ? root_mean_square_error(lit, error) / mean : 0.0;
+  if (!options.target_error) return;
+  report.target_error = options.target_error;
+  report.target_error_met = *report.noise <= *options.target_error;
+  if (!*report.target_error_met)
+    report.warnings.push_back("the noise of the result is " + std::to_string(*report.noise) +
+                              ", more than the target error: the limits on lines and samples were reached");
+}
+
+api::Result<SolvedSequence> solve_alone(const LitScene& lit, const api::LightingOptions& options,
+                                        StageClock& clock, api::JobReport& report) {
+  auto light = light_frame_by_frame(lit, options, clock.begin(api::Stage::solve));
+  if (!light) return light.error();
+  const KeyFrames chosen = all_frames(lit.animation.frame_count);
+  add_counts(chosen, light->counts, report);
+  warn(light->counts, report);
+  SolvedSequence solved{
+      std::move(light->radiosity_w_m2), {}, report_of(chosen, options, lit.animation.frame_count)};
+  if (options.standard_errors) {
+    report_noise(lit, solved, light->standard_error_w_m2, options, report);
+    solved.others.push_back({kStandardErrorFile, std::move(light->standard_error_w_m2)});
+  }
+  return solved;
 }
 
 }  // namespace
 
-api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::LightingOptions& options,
-                                           StageClock& clock, api::JobReport& report) {
-  auto chosen = choose_key_frames(lit, options, clock);
+const PatchSeries* standard_error_of(const SolvedSequence& solved) {
+  for (const NamedSeries& series : solved.others)
+    if (series.file == kStandardErrorFile) return &series.values_w_m2;
+  return nullptr;
+}
+
+api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::LightingOptions& asked,
+                                           StageClock& clock, api::JobReport& report,
+                                           Checkpoints& checkpoints) {
+  const api::LightingOptions options = made_consistent(asked);
+  if (options.mode == api::LightingMode::frame_by_frame) return solve_alone(lit, options, clock, report);
+  // Curves of brightness are worth a solution of their own only where they save key-frames.
+  auto groups = light_groups(lit.scene, lit.animation, options.light_groups,
+                             fills_between(options) ? kScaledGroupsMax : 0);
+  auto chosen = choose_key_frames(lit, groups, options, checkpoints, clock, report);
   if (!chosen) return chosen.error();
+  clock.frames_to_solve(static_cast<std::uint32_t>(chosen->solved.size()));
 
   // Direct light is cheap, and it is where the eye sees interpolation: it is computed for every frame, except
   // where the paper's own method, which interpolates all light, is asked for.
-  const bool apart = options.direct == api::DirectLight::apart;
   const Frames all = every_frame(lit.animation);
-  const Frames& lit_frames = is_paper(options.mode) ? chosen->solved : all;
-  PatchSeries direct;
-  if (apart) {
-    auto lit_directly =
-        direct_light(lit.patches, lit.animation, lit.animation.emission, lit.static_rays, lit_frames,
-                     {options.samples_per_light, 1, options.seed}, clock.begin(api::Stage::direct));
-    if (!lit_directly) return lit_directly.error();
-    direct = std::move(lit_directly->irradiance_w_m2);
-  }
-
-  const Progress& solving = clock.begin(api::Stage::solve);
-  PatchSeries direct_where_solved;
-  if (apart && lit_frames != chosen->solved)
-    direct_where_solved = columns(direct, lit_frames, chosen->solved);
-  const PatchSeries& direct_solved = direct_where_solved.values.empty() ? direct : direct_where_solved;
-  const PatchSeries* first_shot = apart ? &direct_solved : nullptr;
-  auto indirect =
-      indirect_light(lit, chosen->solved, first_shot, {options.line_count, options.seed}, solving);
+  auto lit_groups = light_directly(lit, std::move(groups), is_paper(options.mode) ? chosen->solved : all,
+                                   options, checkpoints, clock);
+  if (!lit_groups) return lit_groups.error();
+  auto indirect = light_indirectly(lit, *lit_groups, options, *chosen, checkpoints, clock);
   if (!indirect) return indirect.error();
   add_counts(*chosen, indirect->counts, report);
-  warn(lit, *chosen, indirect->counts, report);
+  warn(indirect->counts, report);
 
   clock.begin(api::Stage::interpolate);
-  SolvedSequence sequence;
-  if (!chosen->checks.empty()) observe(lit, first_shot, indirect->irradiance_w_m2, *chosen);
-  if (chosen->solved == all) {
-    sequence.radiosity_w_m2 = compose_radiosity(lit, all, first_shot, indirect->irradiance_w_m2);
-  } else if (is_paper(options.mode)) {
-    const PatchSeries solved = compose_radiosity(lit, chosen->solved, first_shot, indirect->irradiance_w_m2);
-    sequence.radiosity_w_m2 = interpolate_linear(solved, chosen->solved, lit.animation.frame_count);
-  } else {
-    const PatchSeries arriving =
-        interpolate_linear(indirect->irradiance_w_m2, chosen->solved, lit.animation.frame_count);
-    sequence.radiosity_w_m2 = compose_radiosity(lit, all, apart ? &direct : nullptr, arriving);
+  keep_frames(all, indirect->frames, *lit_groups);
+  const Composer composer(lit, options, *lit_groups, indirect->frames);
+  SolvedSequence solved;
+  solved.radiosity_w_m2 = composer.radiosity(nullptr, indirect->irradiance_w_m2.mean());
+  solved.key_frames = report_of(*chosen, options, lit.animation.frame_count);
+  if (!chosen->checks.empty())
+    observe(*chosen, indirect->missed_w_m2, solved.radiosity_w_m2, mean_radiosity(lit, solved.radiosity_w_m2),
+            options, solved.key_frames);
+  if (indirect->irradiance_w_m2.count() > 1 && (options.standard_errors || options.target_error)) {
+    PatchSeries error = composer.standard_error(indirect->irradiance_w_m2.variance());
+    report_noise(lit, solved, error, options, report);
+    if (options.standard_errors) solved.others.push_back({kStandardErrorFile, std::move(error)});
   }
-  sequence.key_frames = std::move(chosen->report);
-  return sequence;
+  for (std::size_t n = 0; n < indirect->names.size(); ++n)
+    solved.others.push_back({file_of_group(indirect->names[n]),
+                             composer.radiosity(&indirect->names[n], std::move(indirect->of_name[n]))});
+  return solved;
+}
+
+api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::LightingOptions& options,
+                                           StageClock& clock, api::JobReport& report) {
+  Checkpoints none;
+  return solve_sequence(lit, options, clock, report, none);
 }
 
 }  // namespace engine

@@ -1,0 +1,83 @@
+#include "engine/keyframes/check_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/interpolate/interpolate.h"
+#include "engine/lighting/gather.h"
+
+namespace engine {
+namespace {
+
+std::vector<std::uint32_t> positions(std::span<const FrameIndex> wanted, std::span<const FrameIndex> other) {
+  std::vector<std::uint32_t> found;
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const auto before = std::lower_bound(other.begin(), other.end(), wanted[k]) - other.begin();
+    found.push_back(static_cast<std::uint32_t>(k) + static_cast<std::uint32_t>(before));
+  }
+  return found;
+}
+
+}  // namespace
+
+PatchSeries left_out(const LitScene& lit, std::span<const LitGroup> groups,
+                     std::span<const PatchSeries* const> interpolated, std::span<const FrameIndex> keys,
+                     std::span<const FrameIndex> checks, api::Interpolation interpolation) {
+  const Interpolator interpolator(keys, checks, interpolation);
+  const auto at_keys = positions(keys, checks), at_checks = positions(checks, keys);
+  PatchSeries missed(lit.patches.count(), static_cast<std::uint32_t>(checks.size()));
+  for_each_patch(missed.patch_count, {}, [&](PatchId patch) {
+    std::vector<Rgb> known(keys.size()), found(checks.size());
+    for (std::size_t g = 0; g < interpolated.size(); ++g) {
+      const Rgb* row = interpolated[g]->row(patch);
+      for (std::size_t k = 0; k < keys.size(); ++k) known[k] = row[at_keys[k]];
+      interpolator.apply(known.data(), found.data());
+      for (std::size_t c = 0; c < checks.size(); ++c) {
+        const Rgb by = found[c] - row[at_checks[c]];
+        missed.row(patch)[c] += groups.empty() ? by
+                                               : lit.reflectance(patch, checks[c]) *
+                                                     in_frame(groups[g].group.scale, checks[c]) * by;
+      }
+    }
+  });
+  return missed;
+}
+
+std::vector<double> largest_errors(const PatchSeries& missed, const PatchSeries& radiosity_w_m2,
+                                   double floor_w_m2) {
+  std::vector<double> largest(missed.frame_count, 0.0);
+  for (PatchId patch = 0; patch < missed.patch_count; ++patch)
+    for (std::uint32_t c = 0; c < missed.frame_count; ++c) {
+      const Rgb by = missed.at(patch, c);
+      const double against = std::max(double{max_channel(radiosity_w_m2.at(patch, c))}, floor_w_m2);
+      if (against > 0)
+        largest[c] =
+            std::max(largest[c], std::max({std::abs(by.r), std::abs(by.g), std::abs(by.b)}) / against);
+    }
+  return largest;
+}
+
+bool split(KeyFrames& chosen, const std::vector<bool>& bad) {
+  std::vector<FrameIndex> keys = chosen.keys, checks;
+  bool changed = false;
+  for (std::size_t c = 0; c < chosen.checks.size(); ++c) {
+    const FrameIndex check = chosen.checks[c];
+    if (!bad[c]) {
+      checks.push_back(check);
+      continue;
+    }
+    const auto after = std::upper_bound(chosen.keys.begin(), chosen.keys.end(), check);
+    const FrameIndex a = *(after - 1), b = *after;
+    keys.push_back(check);
+    for (const auto& [from, to] : {std::pair{a, check}, std::pair{check, b}})
+      if (to - from > 1) checks.push_back(from + (to - from) / 2);
+    changed = true;
+  }
+  std::sort(keys.begin(), keys.end());
+  chosen.keys = std::move(keys);
+  chosen.checks = std::move(checks);
+  merge_solved(chosen);
+  return changed;
+}
+
+}  // namespace engine

@@ -1,0 +1,48 @@
+// When an iteration may end. Internal to engine/lighting.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/rgb.h"
+#include "engine/lighting/solve_at_rest.h"
+
+namespace engine {
+
+/// Largest change of a channel. Changes within the rounding of the value itself would go on for ever.
+inline float largest_change(Rgb before, Rgb after) {
+  constexpr float kRounding = 2.4e-7f;  // two units in the last place
+  const auto change = [](float b, float a) {
+    const float by = std::abs(a - b);
+    return by > kRounding * std::abs(a) ? by : 0.0f;
+  };
+  return std::max({change(before.r, after.r), change(before.g, after.g), change(before.b, after.b)});
+}
+
+/// Follows the largest changes of the iterations.
+class ConvergenceTest {
+ public:
+  /// Takes the largest change of this iteration, and the mean B it is relative to (0: dark).
+  void add(double change, double mean, Convergence& state) {
+    const double ratio = last_ > 0 ? std::min(change / last_, 0.9999) : 0.9999;
+    state.error_left = mean > 0 ? change * ratio / (1 - ratio) / mean : 0;
+    state.converged = state.error_left <= kIterationError;
+    last_ = change;
+    if (++state.iterations == 2) second_ = state.error_left;
+  }
+
+  bool may_end(const Convergence& state) const {
+    return state.converged || state.iterations >= kIterationsMax;
+  }
+
+  /// The error shrinks by about the same factor each time, so its logarithm measures the way.
+  double fraction(const Convergence& state) const {
+    if (state.converged || second_ <= kIterationError) return 1.0;
+    return std::clamp(std::log(second_ / state.error_left) / std::log(second_ / kIterationError), 0.0, 1.0);
+  }
+
+ private:
+  double last_ = 0, second_ = 0;
+};
+
+}  // namespace engine

@@ -1,0 +1,40 @@
+#include "engine/lighting/light_at_rest.h"
+
+namespace engine {
+namespace {
+
+/// Tracing is about this share of the time, the solution the rest; progress only.
+constexpr double kTracingShare = 0.7;
+
+std::uint64_t empty_rows_at_rest(const LitScene& lit, const TracedLines& lines) {
+  std::uint64_t empty = 0;
+  for (PatchId patch = 0; patch < lit.patches.count(); ++patch)
+    empty += lit.at_rest(patch) && lines.crossings.static_count[patch] == 0;
+  return empty;
+}
+
+}  // namespace
+
+api::Result<std::vector<RestLight>> light_at_rest(const LitScene& lit, std::span<const GroupSource> groups,
+                                                  const LineOptions& options, SolveCounts& counts,
+                                                  const Progress& progress) {
+  const auto lines = trace_lines(lit.patches, lit.animation, lit.static_rays, {}, options,
+                                 part_of(progress, 0, kTracingShare));
+  if (!lines) return lines.error();
+  counts.tracing += lines->counts;
+  counts.exchanges += lines->static_rows.entry_count();
+  counts.empty_rows += empty_rows_at_rest(lit, *lines);
+
+  const std::vector<Rgb> reflectance = reflectance_at_rest(lit);
+  std::vector<RestLight> at_rest;
+  for (const GroupSource& group : groups) {
+    auto light = solve_at_rest(lit.patches, *lines, source_at_rest(lit, group, reflectance), reflectance,
+                               part_of(progress, kTracingShare, 1));
+    if (!light) return light.error();
+    counts.add(light->convergence);
+    at_rest.push_back(std::move(*light));
+  }
+  return at_rest;
+}
+
+}  // namespace engine

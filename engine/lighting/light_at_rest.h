@@ -1,0 +1,33 @@
+// One independent set of lines, and the scene at rest as it shows it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/lighting/solve_at_rest.h"
+#include "engine/lighting/sources.h"
+
+namespace engine {
+
+/// What was done, and what could not be done; over all lines of a job.
+struct SolveCounts {
+  TracingCounts tracing;        ///< static_hits: of the scene at rest; the rest of lines that see motion
+  std::uint64_t exchanges = 0;  ///< of the scene at rest, equal ones merged
+  std::uint64_t moving_exchanges = 0;  ///< that moving objects add or cut, equal ones merged
+  std::uint64_t empty_rows = 0;        ///< patches that are there and that no line met, and frames
+  std::uint32_t iterations = 0;        ///< of the solution that took most
+  bool converged = true;               ///< every solution, see solve_at_rest
+
+  void add(const Convergence& convergence) {
+    iterations = std::max(iterations, convergence.iterations);
+    converged = converged && convergence.converged;
+  }
+};
+
+/// Traces lines through the scene without what moves, and solves it for every group of lights.
+/// Error: stopped.
+api::Result<std::vector<RestLight>> light_at_rest(const LitScene& lit, std::span<const GroupSource> groups,
+                                                  const LineOptions& options, SolveCounts& counts,
+                                                  const Progress& progress);
+
+}  // namespace engine

@@ -1,0 +1,104 @@
+#include "engine/pipeline/frame_by_frame.h"
+
+#include <algorithm>
+
+#include "engine/base/sobol.h"
+#include "engine/lighting/compose.h"
+#include "engine/pipeline/light_directly.h"
+#include "engine/pipeline/light_indirectly.h"
+
+namespace engine {
+namespace {
+
+struct FrameLight {
+  PatchSeries radiosity_w_m2, standard_error_w_m2;  ///< [patch][one frame]
+};
+
+api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOptions& options,
+                                    SolveCounts& counts, const Progress& progress) {
+  const FrameIndex frame[] = {0};
+  std::vector<LitGroup> groups{{{"", lit.animation.emission, {Rgb{1, 1, 1}}}, {}}};
+  const bool apart = options.direct == api::DirectLight::apart;
+  const bool errors = options.standard_errors;
+  if (apart) {
+    auto direct =
+        direct_light(lit.patches, lit.animation, groups[0].group.emission, lit.static_rays, frame,
+                     {options.samples_per_light,
+                      errors ? std::clamp(options.samples_per_light, 2u, kReplicatesMin) : 1, options.seed},
+                     part_of(progress, 0, 0.5));
+    if (!direct) return direct.error();
+    groups[0].direct = std::move(*direct);
+  }
+  const GroupSource source[] = {{&groups[0].group.emission, apart ? &groups[0].direct : nullptr}};
+  const std::uint32_t replicates = errors ? kReplicatesMin : 1;
+  ReplicateMean arriving(lit.patches.count(), 1);
+  for (std::uint32_t r = 0; r < replicates; ++r) {
+    auto rest = light_at_rest(
+        lit, source,
+        {std::max<std::uint64_t>(1, options.line_count / replicates), stream_seed(options.seed, r)}, counts,
+        progress);
+    if (!rest) return rest.error();
+    PatchSeries irradiance(lit.patches.count(), 1);
+    irradiance.values = std::move((*rest)[0].irradiance_w_m2);
+    arriving.begin();
+    arriving.add(irradiance, 0, 0);
+  }
+  FrameLight light;
+  const auto all = pointers_to(groups);
+  light.radiosity_w_m2 = arriving.mean();
+  if (apart)
+    for (PatchId patch = 0; patch < lit.patches.count(); ++patch)
+      light.radiosity_w_m2.values[patch] += groups[0].direct.irradiance_w_m2.values[patch];
+  to_radiosity(lit, all, frame, light.radiosity_w_m2);
+  if (!errors) return light;
+  light.standard_error_w_m2 = arriving.variance();
+  to_standard_error(lit, all, frame, light.standard_error_w_m2);
+  return light;
+}
+
+}  // namespace
+
+Animation frozen(const Scene& scene, const Animation& animation, FrameIndex frame) {
+  Animation alone;
+  alone.frame_count = 1;
+  for (const ObjectMotion& motion : animation.objects) {
+    alone.objects.emplace_back();
+    for (const PoseSpan& span : motion.spans)
+      if (span.first <= frame && frame <= span.last) alone.objects.back().spans = {{0, 0, span.pose}};
+  }
+  for (const auto& series : animation.emission.exitance_w_m2)
+    alone.emission.exitance_w_m2.push_back({in_frame(series, frame)});
+  for (SourceMotion source : animation.emission.sources) {
+    source.position = {in_frame(source.position, frame)};
+    source.direction = {in_frame(source.direction, frame)};
+    source.intensity = {in_frame(source.intensity, frame)};
+    alone.emission.sources.push_back(std::move(source));
+  }
+  for (std::uint32_t m = 0; m < scene.materials.size(); ++m)
+    alone.reflectance.push_back({material_reflectance(scene, animation, m, frame)});
+  return alone;
+}
+
+api::Result<AloneLight> light_frame_by_frame(const LitScene& lit, const api::LightingOptions& options,
+                                             const Progress& progress) {
+  const FrameIndex frames = lit.animation.frame_count;
+  AloneLight all;
+  all.radiosity_w_m2 = PatchSeries(lit.patches.count(), frames);
+  if (options.standard_errors) all.standard_error_w_m2 = PatchSeries(lit.patches.count(), frames);
+  for (FrameIndex frame = 0; frame < frames; ++frame) {
+    const Animation alone = frozen(lit.scene, lit.animation, frame);
+    const StaticRays rays(lit.patches, alone);
+    const auto light = light_frame(
+        {lit.scene, alone, lit.patches, rays}, options, all.counts,
+        part_of(progress, static_cast<double>(frame) / frames, static_cast<double>(frame + 1) / frames));
+    if (!light) return light.error();
+    for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
+      all.radiosity_w_m2.at(patch, frame) = light->radiosity_w_m2.values[patch];
+      if (options.standard_errors)
+        all.standard_error_w_m2.at(patch, frame) = light->standard_error_w_m2.values[patch];
+    }
+  }
+  return all;
+}
+
+}  // namespace engine

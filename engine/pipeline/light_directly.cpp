@@ -1,0 +1,169 @@
+#include "engine/pipeline/light_directly.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "engine/base/sobol.h"
+
+namespace engine {
+namespace {
+
+/// Patches between two looks at the clock: seconds of work at most.
+constexpr PatchId kPatchesPerBlock = 4096;
+
+/// What took less is done again after a crash rather than saved at once.
+constexpr std::chrono::seconds kWorthSaving{5};
+
+/// One pass over all groups and patches.
+class DirectPass {
+ public:
+  DirectPass(const LitScene& lit, std::span<const FrameIndex> frames, const api::LightingOptions& options,
+             std::uint32_t pass, Checkpoints& checkpoints)
+      : lit_(lit), frames_(frames), options_(options), pass_(pass), checkpoints_(checkpoints) {}
+
+  /// Of group `g` of `count`.
+  api::Result<DirectLight> light(const Emission& emission, std::size_t g, std::size_t count,
+                                 StageClock& clock, const Progress& progress) {
+    const DirectLighter lighter(lit_.patches, lit_.animation, emission, lit_.static_rays, frames_,
+                                direct_options());
+    DirectLight direct = lighter.empty();
+    const PatchId patches = lit_.patches.count();
+    const auto share = [&](PatchId patch) {
+      return (static_cast<double>(g) + static_cast<double>(patch) / patches) / static_cast<double>(count);
+    };
+    PatchId first = saved(g, direct);
+    if (first > 0) clock.go_on_from(share(first), "resumed");
+    for (; first < patches; first += kPatchesPerBlock) {
+      const PatchId end = std::min(first + kPatchesPerBlock, patches);
+      if (const auto s = lighter.light(first, end, direct, part_of(progress, share(first), share(end))); !s)
+        return s.error();
+      if (checkpoints_.due() || (end == patches && took() > kWorthSaving)) save(g, end, direct);
+    }
+    return direct;
+  }
+
+ private:
+  std::chrono::steady_clock::duration took() const { return std::chrono::steady_clock::now() - began_; }
+
+  DirectOptions direct_options() const {
+    const bool wants_errors = options_.standard_errors || options_.target_error;
+    return {options_.samples_per_light,
+            wants_errors ? std::clamp(options_.samples_per_light, 2u, kReplicatesMin) : 1,
+            pass_ == 0 ? options_.seed : stream_seed(options_.seed, 0xd17ec7ull + pass_)};
+  }
+
+  std::string name(std::size_t g) const {
+    return "direct-" + std::to_string(pass_) + "-" + std::to_string(g);
+  }
+
+  void save(std::size_t g, PatchId done, const DirectLight& direct) {
+    // A checkpoint that fails costs time only if the run is killed.
+    (void)checkpoints_.save(
+        name(g), {part_of_checkpoint(done), part_of_checkpoint(direct.irradiance_w_m2.values),
+                  part_of_checkpoint(direct.variance.values), part_of_checkpoint(direct.at_rest_w_m2),
+                  part_of_checkpoint(direct.shadow_rays)});
+  }
+
+  PatchId saved(std::size_t g, DirectLight& direct) const {
+    auto checkpoint = checkpoints_.load(name(g));
+    PatchId done = 0;
+    DirectLight found = direct;
+    if (!checkpoint || !checkpoint->take(done) || !checkpoint->take(found.irradiance_w_m2.values) ||
+        !checkpoint->take(found.variance.values) || !checkpoint->take(found.at_rest_w_m2) ||
+        !checkpoint->take(found.shadow_rays))
+      return 0;
+    direct = std::move(found);
+    return done;
+  }
+
+  const LitScene& lit_;
+  const std::span<const FrameIndex> frames_;
+  const api::LightingOptions& options_;
+  const std::uint32_t pass_;
+  Checkpoints& checkpoints_;
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
+/// Takes one more pass into the mean of those before.
+void blend(const DirectLight& pass, std::uint32_t passes_before, DirectLight& mean) {
+  const float share = 1.0f / static_cast<float>(passes_before + 1);
+  const float keep = 1.0f - share;
+  for (std::size_t k = 0; k < mean.irradiance_w_m2.values.size(); ++k) {
+    Rgb& value = mean.irradiance_w_m2.values[k];
+    value += (pass.irradiance_w_m2.values[k] - value) * share;
+  }
+  for (std::size_t k = 0; k < mean.variance.values.size(); ++k)
+    mean.variance.values[k] =
+        mean.variance.values[k] * (keep * keep) + pass.variance.values[k] * (share * share);
+  for (std::size_t k = 0; k < mean.at_rest_w_m2.size(); ++k)
+    mean.at_rest_w_m2[k] += (pass.at_rest_w_m2[k] - mean.at_rest_w_m2[k]) * share;
+  mean.shadow_rays += pass.shadow_rays;
+}
+
+/// Noise of the direct light relative to the direct light that is reflected: at least that relative to mean
+/// B.
+double noise_of(const LitScene& lit, const std::vector<LitGroup>& groups,
+                std::span<const FrameIndex> frames) {
+  const auto all = pointers_to(groups);
+  PatchSeries error(lit.patches.count(), static_cast<std::uint32_t>(frames.size()));
+  to_standard_error(lit, all, frames, error);
+  PatchSeries reflected = direct_irradiance(all, frames);
+  to_radiosity(lit, all, frames, reflected);
+  const double mean = mean_radiosity(lit, reflected);
+  return mean > 0 ? root_mean_square_error(lit, error) / mean : 0;
+}
+
+}  // namespace
+
+std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups) {
+  std::vector<const LitGroup*> pointers;
+  for (const LitGroup& group : groups) pointers.push_back(&group);
+  return pointers;
+}
+
+double root_mean_square_error(const LitScene& lit, const PatchSeries& standard_error_w_m2) {
+  double squares = 0, area = 0;
+  for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
+    if (ever_emits(lit, patch)) continue;
+    double of_patch = 0;
+    for (std::uint32_t k = 0; k < standard_error_w_m2.frame_count; ++k) {
+      const double error = max_channel(standard_error_w_m2.at(patch, k));
+      of_patch += error * error;
+    }
+    squares += lit.patches.area_m2[patch] * of_patch;
+    area += double{lit.patches.area_m2[patch]} * standard_error_w_m2.frame_count;
+  }
+  return area > 0 ? std::sqrt(squares / area) : 0;
+}
+
+api::Result<std::vector<LitGroup>> light_directly(const LitScene& lit, std::vector<LightGroup> groups,
+                                                  std::span<const FrameIndex> frames,
+                                                  const api::LightingOptions& options,
+                                                  Checkpoints& checkpoints, StageClock& clock) {
+  std::vector<LitGroup> lit_groups;
+  for (LightGroup& group : groups) lit_groups.push_back({std::move(group), {}});
+  if (options.direct == api::DirectLight::pure) return lit_groups;
+
+  const Progress& progress = clock.begin(api::Stage::direct);
+  std::uint32_t passes = 1;
+  for (std::uint32_t pass = 0; pass < passes; ++pass) {
+    DirectPass now(lit, frames, options, pass, checkpoints);
+    for (std::size_t g = 0; g < lit_groups.size(); ++g) {
+      auto direct = now.light(lit_groups[g].group.emission, g, lit_groups.size(), clock, progress);
+      if (!direct) return direct.error();
+      if (pass == 0)
+        lit_groups[g].direct = std::move(*direct);
+      else
+        blend(*direct, pass, lit_groups[g].direct);
+    }
+    if (pass == 0 && options.target_error) {
+      const double over = noise_of(lit, lit_groups, frames) / (*options.target_error / std::sqrt(2.0));
+      passes = static_cast<std::uint32_t>(
+          std::clamp(std::ceil(over * over), 1.0, double{kSamplesPerLightMax} / options.samples_per_light));
+    }
+  }
+  return lit_groups;
+}
+
+}  // namespace engine

@@ -1,0 +1,35 @@
+// Direct light of every group of lights, as good as the job asks for, in steps that a killed run goes on
+// from.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "api/lighting_options.h"
+#include "api/result.h"
+#include "engine/base/checkpoint.h"
+#include "engine/lighting/compose.h"
+#include "engine/pipeline/stage_clock.h"
+
+namespace engine {
+
+/// Replicates of direct light and of lines that standard errors are told by, at least.
+inline constexpr std::uint32_t kReplicatesMin = 8;
+
+/// Samples that a target error may ask of a light, all passes together.
+inline constexpr std::uint32_t kSamplesPerLightMax = 4096;
+
+/// Direct light of `groups` in `frames`; with a target error in as many passes as bring its part of the noise
+/// below 1 / sqrt 2 of the target, as far as kSamplesPerLightMax allows. Errors: stopped.
+api::Result<std::vector<LitGroup>> light_directly(const LitScene& lit, std::vector<LightGroup> groups,
+                                                  std::span<const FrameIndex> frames,
+                                                  const api::LightingOptions& options,
+                                                  Checkpoints& checkpoints, StageClock& clock);
+
+/// Area-weighted root mean square of the largest channel of a standard error, over the patches that never
+/// emit [W/m^2].
+double root_mean_square_error(const LitScene& lit, const PatchSeries& standard_error_w_m2);
+
+std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups);
+
+}  // namespace engine

@@ -1,0 +1,46 @@
+// Indirect light of a sequence: independent replicates of lines, window by window, and the check of the
+// key-frames by the solution itself.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "api/lighting_options.h"
+#include "api/result.h"
+#include "engine/base/checkpoint.h"
+#include "engine/keyframes/select_key_frames.h"
+#include "engine/lighting/light_at_rest.h"
+#include "engine/lighting/replicate_mean.h"
+#include "engine/pipeline/stage_clock.h"
+
+namespace engine {
+
+/// Lines of one replicate at most: bounds the memory that lines take, whatever their number.
+inline constexpr std::uint64_t kLinesPerReplicateMax = 4'000'000;
+
+/// Replicates at most, where a target error asks for more and more.
+inline constexpr std::uint32_t kReplicatesMax = 512;
+
+struct IndirectLight {
+  std::vector<FrameIndex> frames;  ///< those that there is light of: all, or those solved
+  ReplicateMean irradiance_w_m2;   ///< all groups with their scale, [patch][position in frames]
+  /// The same of each named group, mean of the replicates; empty where the job names none.
+  std::vector<PatchSeries> of_name;
+  std::vector<std::string> names;  ///< of of_name, in order
+  PatchSeries missed_w_m2;         ///< B^ - B at the checks, see left_out, [patch][check]
+  SolveCounts counts;
+};
+
+/// Solves the frames of `chosen`. In mode `default` the first replicate also checks them: intervals whose
+/// check frame shows more than the tolerance are split in `chosen`, and their halves checked, until none is
+/// left. Where only indirect light is interpolated, the frames between are filled too (fill_between). With a
+/// target error replicates are added until the noise of all the light meets it (or kReplicatesMax). Error:
+/// stopped.
+api::Result<IndirectLight> light_indirectly(const LitScene& lit, const std::vector<LitGroup>& groups,
+                                            const api::LightingOptions& options, KeyFrames& chosen,
+                                            Checkpoints& checkpoints, StageClock& clock);
+
+/// Is only the indirect light interpolated, and direct light known in every frame?
+bool fills_between(const api::LightingOptions& options);
+
+}  // namespace engine

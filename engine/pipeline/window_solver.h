@@ -1,0 +1,54 @@
+// One window of frames under one replicate's lines, solved frame by frame as they are asked for.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/lighting/compose.h"
+#include "engine/lighting/light_at_rest.h"
+#include "engine/lighting/solve_difference.h"
+
+namespace engine {
+
+class WindowSolver {
+ public:
+  /// rests, sources: of each of `groups`. Everything outlives it but `lines`, which it keeps.
+  WindowSolver(const LitScene& lit, std::span<const LitGroup> groups, std::span<const GroupSource> sources,
+               std::span<const RestLight> rests, std::span<const FrameIndex> frames, TracedLines lines);
+
+  /// Solves those of `frames` (increasing, all of the window) that are not solved yet. Error: stopped.
+  api::Status solve(std::span<const FrameIndex> frames, SolveCounts& counts, const Progress& progress);
+
+  std::span<const FrameIndex> frames() const { return frames_; }
+  const std::vector<FrameIndex>& solved() const { return solved_; }
+  /// Y of each group, [patch][position in solved()].
+  std::vector<const PatchSeries*> carried() const;
+
+  /// Indirect irradiance X = X_s + D of group `g`, [patch][position in solved()].
+  PatchSeries at_solved(std::size_t g) const;
+  /// The same, [patch][slot of the window], the frames between filled. Error: stopped.
+  api::Result<PatchSeries> in_every_frame(std::size_t g, api::Interpolation interpolation,
+                                          const Progress& progress) const;
+
+  /// B of all groups at the solved frames  [W/m^2], [patch][position in solved()].
+  PatchSeries radiosity_at_solved() const;
+
+  std::uint64_t empty_rows() const;
+  const TracedLines& lines() const { return lines_; }
+
+ private:
+  WindowScene scene_of(std::size_t g) const;
+  Columns columns_of(std::span<const FrameIndex> frames) const;
+  void add_rest(std::size_t g, PatchSeries& difference) const;
+
+  const LitScene& lit_;
+  std::span<const LitGroup> groups_;
+  std::span<const GroupSource> sources_;
+  std::span<const RestLight> rests_;
+  std::span<const FrameIndex> frames_;
+  TracedLines lines_;
+  std::vector<FrameIndex> solved_;
+  std::vector<DifferenceLight> of_group_;  ///< at solved_
+};
+
+}  // namespace engine
