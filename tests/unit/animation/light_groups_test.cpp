@@ -218,6 +218,19 @@ TEST(LightGroups, ALightOfSeveralGroupsIsOfTheFirstAndAMovingOneCanBeSteady) {
   expect_whole(lights, groups);
 }
 
+TEST(LightGroups, ASourceMovesInItsOwnGroupOnly) {
+  Lights lights({"lamp"}, {"torch"});
+  lights.material(0) = {Rgb{1, 1, 1}};
+  lights.source(0) = varied({6, 6, 6}, ramp);
+  lights.animation.emission.sources[0].position.resize(kFrames, {3, 2, 1});
+  const auto groups = lights.groups();
+  ASSERT_EQ(groups.size(), 2u);
+  EXPECT_EQ(groups[0].emission.sources[0].position.size(), 1u);
+  EXPECT_EQ(groups[1].emission.sources[0].position, lights.animation.emission.sources[0].position);
+  EXPECT_EQ(groups[1].emission.sources[0].name, "torch");
+  expect_whole(lights, groups);
+}
+
 TEST(LightGroups, WhereNothingEmitsThereIsOneDarkGroup) {
   const Lights lights({"wall"}, {"bulb"});
   const auto groups = lights.groups({{"named", {"bulb"}}});
