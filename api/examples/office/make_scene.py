@@ -133,7 +133,7 @@ def animation():
             "main": {"position": [0.45, 8.55, 2.3], "target": [6.4, 3.7, 0.85], "vertical_fov_degrees": 58},
             "door": {"position": [5.2, 5.3, 1.7], "target": [9.3, 3.6, 1.0], "vertical_fov_degrees": 60},
         },
-        "lighting": {"preset": "standard", "mode": "default", "patch_edge_m": 0.15},
+        "lighting": {"preset": "standard", "mode": "default", "patch_edge_m": 0.144},
         "images": [{"camera": "main", "width": 640, "height": 360, "formats": ["png"]}],
     }) + "\n"
 

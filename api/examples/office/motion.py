@@ -3,7 +3,7 @@
 import math
 
 from model_plane import headings
-from robot import HEAD_Z, SHOULDER_Y, SHOULDER_Z, WHEEL_RADIUS, WHEEL_Y
+from robot import SHOULDER_Y, SHOULDER_Z, WHEEL_RADIUS, WHEEL_Y
 from scene_writer import keys
 
 FRAMES = 120
@@ -30,20 +30,15 @@ def along_way(frame):
     return tuple(catmull_rom(frame, [(f, xy[axis]) for f, *xy in WAY]) for axis in (0, 1))
 
 
-def tracks(positions, angles, order="xyz", pivot=None):
-    motion = {} if pivot is None else {"pivot": list(pivot)}
-    return {**motion, "translate": keys(positions),
-            "rotate": {"euler_order": order, "euler_degrees": keys(angles)}}
+def tracks(positions, angles):
+    """`angles`: about x, then y, then z."""
+    return {"translate": keys(positions), "rotate": {"euler_degrees": keys(angles)}}
 
 
-def part(ways, yaws, pivot, swing):
-    """A part of the robot: turned by `swing[frame]` degrees about y through `pivot`, and carried along."""
-    positions = []
-    for (x, y), yaw in zip(ways, yaws):
-        cos, sin = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
-        px, py = cos * pivot[0] - sin * pivot[1], sin * pivot[0] + cos * pivot[1]
-        positions.append((x + px - pivot[0], y + py - pivot[1], 0))
-    return tracks(positions, [(0, a, yaw) for a, yaw in zip(swing, yaws)], pivot=pivot)
+def part(pivot, swing):
+    """A part that the robot's body carries, turned by `swing[frame]` degrees about y through `pivot`."""
+    return {"parent": "robot_body", "pivot": list(pivot),
+            "rotate": {"euler_degrees": keys([(0, angle, 0) for angle in swing])}}
 
 
 def robot():
@@ -53,16 +48,14 @@ def robot():
     gone = [0.0]
     for step in steps:
         gone.append(gone[-1] + math.hypot(*step))
-    still = [(0, 0, yaw) for yaw in yaws]
-    look = [(0, 0, yaw + 35 * math.sin(2 * math.pi * f / 60)) for f, yaw in enumerate(yaws)]
-    places = [(x, y, 0) for x, y in ways]
-    moves = {"robot_body": tracks(places, still), "robot_head": tracks(places, look)}
+    moves = {"robot_body": tracks([(x, y, 0) for x, y in ways], [(0, 0, yaw) for yaw in yaws])}
+    look = [(0, 0, 35 * math.sin(2 * math.pi * frame / 60)) for frame in range(FRAMES)]
+    moves["robot_head"] = {"parent": "robot_body", "rotate": {"euler_degrees": keys(look)}}
     for side, sign in (("left", 1), ("right", -1)):
-        swing = [sign * 22 * math.sin(2 * math.pi * f / 30) for f in range(FRAMES)]
-        moves[f"robot_arm_{side}"] = part(ways, yaws, (0, sign * SHOULDER_Y, SHOULDER_Z), swing)
-        rolled = [math.degrees(s / WHEEL_RADIUS) for s in gone]
-        moves[f"robot_wheel_{side}"] = part(ways, yaws, (0, sign * WHEEL_Y, WHEEL_RADIUS), rolled)
-    assert HEAD_Z > SHOULDER_Z
+        swing = [sign * 22 * math.sin(2 * math.pi * frame / 30) for frame in range(FRAMES)]
+        moves[f"robot_arm_{side}"] = part((0, sign * SHOULDER_Y, SHOULDER_Z), swing)
+        rolled = [math.degrees(metres / WHEEL_RADIUS) for metres in gone]
+        moves[f"robot_wheel_{side}"] = part((0, sign * WHEEL_Y, WHEEL_RADIUS), rolled)
     return moves
 
 
