@@ -36,6 +36,10 @@ double two_sided_p(double t, double degrees) {
   return area(std::atan(std::abs(t) / std::sqrt(degrees)), right_angle) / area(0, right_angle);
 }
 
+double sidak(double family, std::size_t comparisons) {
+  return -std::expm1(std::log1p(-family) / static_cast<double>(comparisons));
+}
+
 testing::AssertionResult agrees(const Sample& sample, double exact, double false_alarm, double systematic) {
   const double off = std::max(0.0, std::abs(sample.mean() - exact) - systematic);
   const double error = sample.standard_error();

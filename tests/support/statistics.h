@@ -26,4 +26,8 @@ double two_sided_p(double t, double degrees);
 testing::AssertionResult agrees(const Sample& sample, double exact, double false_alarm,
                                 double systematic = 0);
 
+/// What one of `comparisons` independent tests may be refused at, so that all of them together refuse a
+/// correct solver with probability `family`. Source: Sidak, JASA 62, 1967:  1 - (1 - family)^(1/m).
+double sidak(double family, std::size_t comparisons);
+
 }  // namespace tests
