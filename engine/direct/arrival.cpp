@@ -30,6 +30,15 @@ float spot_share(const SourceMotion& spot, float c) {
 
 }  // namespace
 
+float largest_spot_share(const SourceMotion& spot, Vec3 direction, Vec3 apart, float radius_m) {
+  const float distance = length(apart);
+  if (distance <= radius_m) return 1;
+  const float cosine = std::clamp(dot(direction, apart) / distance, -1.0f, 1.0f);
+  constexpr float kRounding = 1e-3f;
+  const float nearest = std::acos(cosine) - std::asin(radius_m / distance) - kRounding;
+  return nearest <= 0 ? 1 : spot_share(spot, std::cos(nearest));
+}
+
 Arrivals::Arrivals(const Receiver& receiver, const LightPose& light, float reach_m)
     : receiver_(receiver),
       light_(light),

@@ -18,6 +18,10 @@ struct Arrival {
   Ray shadow;        ///< from 0 to 1, a hair off the surfaces at its ends
 };
 
+/// The largest share of a spot's intensity that reaches any point of a ball whose middle is at `apart` from
+/// it.
+float largest_spot_share(const SourceMotion& spot, Vec3 direction, Vec3 apart, float radius_m);
+
 /// Points of a patch against one light. The patch and the light outlive it.
 ///
 ///     facet         F(x), the closed form factor; the ray ends at a point of it (sample_light)

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "engine/base/sobol.h"
+#include "engine/direct/light_choice.h"
 #include "engine/direct/scene_reach.h"
 
 namespace engine {
@@ -12,6 +13,14 @@ namespace {
 std::uint64_t seed_of(const DirectOptions& options, std::uint32_t replicate, PatchId patch,
                       std::uint32_t stream) {
   return stream_seed(stream_seed(options.seed, replicate), (std::uint64_t{patch} << 32) | stream);
+}
+
+/// Streams of the draws among many lights, beside those of single lights.
+constexpr std::uint32_t kStaticStream = 0xffffffffu, kMovingStream = 0xfffffffeu;
+
+/// Uniform in [0, 1): where in part `index` of the row of probabilities a light is drawn.
+double place_in_part(std::uint32_t index, std::uint64_t seed) {
+  return static_cast<double>(mix(~seed + index) >> 11) * 0x1p-53;
 }
 
 Draw draw_number(std::uint32_t index, std::uint64_t seed) {
@@ -36,55 +45,94 @@ struct Factors {
 
 }  // namespace
 
+/// Points [first, end) of a set, and what each counts.
+struct WindowLighter::SampleSet {
+  std::uint64_t seed = 0;
+  std::uint32_t first = 0, end = 0;
+  float weight = 1;
+};
+
 /// The lighting of one patch.
 class WindowLighter::Work {
  public:
   Work(const WindowLighter& of, PatchSums& sums) : of_(of), sums_(sums) {}
 
   void add_lights(const Receiver& receiver) {
-    for (const WindowLight& light : of_.lights_.lights) {
-      if (light.facet == receiver.facet) continue;  // flat: rounding alone puts it in its own sight
-      for (const LightPose& pose : light.poses) add_light(receiver, light, pose);
-    }
+    const std::span<const WindowLight> all = of_.lights_.lights;
+    add_lights(receiver, all.first(of_.lights_.static_count), kStaticStream);
+    add_lights(receiver, all.subspan(of_.lights_.static_count), kMovingStream);
   }
 
   std::uint64_t rays() const { return rays_; }
 
  private:
-  void add_light(const Receiver& receiver, const WindowLight& light, const LightPose& pose) {
-    const Brightness& brightness = of_.lights_.brightness[light.brightness];
-    const Slots slots = narrow_to_lit(brightness.lit, overlap(receiver.slots, pose.slots));
-    const bool rests = of_.with_rest_ && receiver.is_static && light.is_static;
-    if (slots.empty() && !rests) return;
-    const Arrivals arrivals(receiver, pose, of_.reach_m_);
-    if (!arrivals.possible()) return;
+  void add_lights(const Receiver& receiver, std::span<const WindowLight> lights, std::uint32_t stream) {
+    if (lights.empty()) return;
+    const LightChoice choice = choose_lights(receiver, lights, of_.lights_.brightness);
+    const std::uint32_t count = rays_per_replicate(1);
+    for (const std::uint32_t l : choice.each)
+      for (std::uint32_t r = 0; r < sums_.replicates(); ++r)
+        add_light(receiver, lights[l], r,
+                  {seed_of(of_.options_, r, receiver.patch, lights[l].stream), 0, count,
+                   1.0f / static_cast<float>(count)});
+    if (choice.drawn.empty()) return;
+    for (std::uint32_t r = 0; r < sums_.replicates(); ++r)
+      add_drawn(receiver, lights, choice, r, seed_of(of_.options_, r, receiver.patch, stream));
+  }
 
-    const std::uint32_t count = rays_per_replicate();
-    const float share = 1.0f / static_cast<float>(count);
-    for (std::uint32_t r = 0; r < sums_.replicates(); ++r) {
-      const std::uint64_t seed = seed_of(of_.options_, r, receiver.patch, light.stream);
+  /// One draw in each of n equal parts of the row of probabilities: a light of p gets n p draws, one more or
+  /// less, and all of its draws follow one another.
+  void add_drawn(const Receiver& receiver, std::span<const WindowLight> lights, const LightChoice& choice,
+                 std::uint32_t replicate, std::uint64_t seed) {
+    const std::uint32_t count = rays_per_replicate(choice.shared_lights);
+    const auto n = static_cast<double>(count);
+    double below = 0;  // probability of the lights before
+    std::uint32_t next = 0;
+    for (std::size_t k = 0; k < choice.drawn.size() && next < count; ++k) {
+      const DrawnLight& drawn = choice.drawn[k];
+      below += drawn.probability;
+      const std::uint32_t first = next;
+      const bool is_last = k + 1 == choice.drawn.size();  // takes what rounding leaves
+      while (next < count && (is_last || next + place_in_part(next, seed) < n * below)) ++next;
+      if (next == first) continue;
+      add_light(receiver, lights[drawn.light], replicate,
+                {seed, first, next, static_cast<float>(1.0 / (n * drawn.probability))});
+    }
+  }
+
+  /// In all of its poses that meet the receiver's slots.
+  void add_light(const Receiver& receiver, const WindowLight& light, std::uint32_t replicate,
+                 const SampleSet& samples) {
+    if (light.facet == receiver.facet) return;  // flat: rounding alone puts it in its own sight
+    const Brightness& brightness = of_.lights_.brightness.of[light.brightness];
+    const bool rests = of_.with_rest_ && receiver.is_static && light.is_static;
+    for (const LightPose& pose : light.poses) {
+      const Slots slots = narrow_to_lit(brightness.lit, overlap(receiver.slots, pose.slots));
+      if (slots.empty() && !rests) continue;
+      const Arrivals arrivals(receiver, pose, of_.reach_m_);
+      if (!arrivals.possible()) continue;
       Factors factors;
-      for (std::uint32_t s = 0; s < count; ++s) {
-        const Arrival arrival = arrivals.draw(draw_number(s, seed));
+      for (std::uint32_t s = samples.first; s < samples.end; ++s) {
+        const Arrival arrival = arrivals.draw(draw_number(s, samples.seed));
         if (arrival.factor <= 0 || !passes_static(arrival.shadow)) continue;
         factors.unblocked += arrival.factor;
         factors.block(arrival.factor, blocked_slots(arrival.shadow, slots), slots);
       }
       if (factors.unblocked == 0) continue;
-      add(factors, share, brightness, slots, sums_.of(r));
-      if (rests) sums_.at_rest(r) += brightness.mean * (factors.unblocked * share);
+      add(factors, samples.weight, brightness, slots, sums_.of(replicate));
+      if (rests) sums_.at_rest(replicate) += brightness.mean * (factors.unblocked * samples.weight);
     }
   }
 
-  static void add(const Factors& factors, float share, const Brightness& brightness, Slots slots, Rgb* row) {
+  static void add(const Factors& factors, float weight, const Brightness& brightness, Slots slots, Rgb* row) {
     const Rgb* of_slot = brightness.of_slot.data();
     if (!factors.any_blocked) {
-      const float factor = factors.unblocked * share;
+      const float factor = factors.unblocked * weight;
       for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot) row[slot] += of_slot[slot] * factor;
       return;
     }
     for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot)
-      row[slot] += of_slot[slot] * (std::max(0.0f, factors.unblocked - factors.blocked[slot]) * share);
+      row[slot] += of_slot[slot] * (std::max(0.0f, factors.unblocked - factors.blocked[slot]) * weight);
   }
 
   bool passes_static(const Ray& ray) {
@@ -100,8 +148,10 @@ class WindowLighter::Work {
     return mask;
   }
 
-  std::uint32_t rays_per_replicate() const {
-    return std::max(1u, of_.options_.samples_per_light / sums_.replicates());
+  /// For as many as `lights` lights.
+  std::uint32_t rays_per_replicate(float lights) const {
+    const float all = lights * static_cast<float>(of_.options_.samples_per_light);
+    return std::max(1u, static_cast<std::uint32_t>(all / static_cast<float>(sums_.replicates())));
   }
 
   const WindowLighter& of_;

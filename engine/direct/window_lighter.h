@@ -22,6 +22,7 @@ class WindowLighter {
 
  private:
   class Work;
+  struct SampleSet;
 
   const Patches& patches_;
   const Animation& animation_;

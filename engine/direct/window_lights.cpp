@@ -9,27 +9,15 @@ namespace {
 /// Facets have the lower half of the stream numbers.
 constexpr std::uint32_t kSourceStreams = 0x80000000u;
 
-Rgb mean_of(const std::vector<Rgb>& series) {
-  double r = 0, g = 0, b = 0;
-  for (const Rgb& value : series) {
-    r += value.r;
-    g += value.g;
-    b += value.b;
-  }
-  const double n = std::max<double>(1, static_cast<double>(series.size()));
-  return {static_cast<float>(r / n), static_cast<float>(g / n), static_cast<float>(b / n)};
-}
-
-/// `series`: [frame], or one.
-Brightness brightness_of(const std::vector<Rgb>& series, std::span<const FrameIndex> frames) {
-  Brightness brightness;
-  for (const Rgb& value : series) brightness.peak = std::max(brightness.peak, max_channel(value));
-  brightness.mean = mean_of(series);
-  for (std::uint32_t slot = 0; slot < frames.size(); ++slot) {
-    brightness.of_slot.push_back(in_frame(series, frames[slot]));
-    if (max_channel(brightness.of_slot[slot]) > 0) brightness.lit.set(slot, slot);
-  }
-  return brightness;
+LightBall ball_of(const PlacedLight& light) {
+  const auto polygon = light.polygon();
+  LightBall ball;
+  for (const Vec3 corner : polygon)
+    ball.middle = ball.middle + (1.0f / static_cast<float>(polygon.size())) * corner;
+  for (const Vec3 corner : polygon) ball.radius_m = std::max(ball.radius_m, length(corner - ball.middle));
+  ball.normal = light.placed.normal;
+  ball.area_m2 = length(cross(light.placed.edge_u, light.placed.edge_v)) * (light.is_triangle ? 0.5f : 1.0f);
+  return ball;
 }
 
 LightPose facet_pose(const Facet& facet, const Pose& pose, Slots slots) {
@@ -38,6 +26,7 @@ LightPose facet_pose(const Facet& facet, const Pose& pose, Slots slots) {
   at.slots = slots;
   at.roughness = roughness_of(placed, facet.is_triangle);
   at.facet = place_light(facet, placed);
+  at.ball = ball_of(at.facet);
   return at;
 }
 
@@ -47,6 +36,7 @@ LightPose source_pose(const SourceMotion& source, FrameIndex frame, Slots slots)
   at.source = &source;
   at.position = source.type == api::LightType::directional ? Vec3{} : in_frame(source.position, frame);
   at.direction = source.type == api::LightType::point ? Vec3{} : in_frame(source.direction, frame);
+  at.ball.middle = at.position;
   const Vec3 p = at.position;
   at.roughness.largest_coordinate_m = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   return at;
@@ -61,10 +51,7 @@ class Placing {
   Placing(const Patches& patches, const Animation& animation, const Emission& emission,
           std::span<const FrameIndex> frames)
       : patches_(patches), animation_(animation), emission_(emission), frames_(frames) {
-    for (const auto& series : emission.exitance_w_m2)
-      placed_.brightness.push_back(brightness_of(series, frames));
-    for (const SourceMotion& source : emission.sources)
-      placed_.brightness.push_back(brightness_of(source.intensity, frames));
+    placed_.brightness = brightness_table(patches, emission, frames);
   }
 
   WindowLights place_all() && {
@@ -92,7 +79,7 @@ class Placing {
     if (rests) {
       light.poses.push_back(facet_pose(facet, motion.spans[0].pose, all_slots()));
     } else {
-      const SlotMask& lit = placed_.brightness[facet.material].lit;
+      const SlotMask& lit = placed_.brightness.of[facet.material].lit;
       for (const PlacedRange& range : placed_ranges(motion, frames_)) {
         const Slots slots = narrow_to_lit(lit, {range.first_slot, range.last_slot + 1});
         if (!slots.empty()) light.poses.push_back(facet_pose(facet, *range.pose, slots));
@@ -104,12 +91,12 @@ class Placing {
   void add_source(std::uint32_t number, bool rests) {
     const SourceMotion& source = emission_.sources[number];
     const auto brightness = static_cast<std::uint32_t>(emission_.exitance_w_m2.size() + number);
-    if (!(placed_.brightness[brightness].peak > 0)) return;
+    if (!(placed_.brightness.of[brightness].peak > 0)) return;
     WindowLight light{kNoFacet, kSourceStreams | number, brightness, rests, {}};
     if (rests)
       light.poses.push_back(source_pose(source, 0, all_slots()));
     else
-      add_moving_poses(source, placed_.brightness[brightness].lit, light.poses);
+      add_moving_poses(source, placed_.brightness.of[brightness].lit, light.poses);
     if (!light.poses.empty()) placed_.lights.push_back(std::move(light));
   }
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "engine/direct/brightness.h"
 #include "engine/direct/clearance.h"
 #include "engine/direct/light_sampling.h"
-#include "engine/visibility/ray_scene.h"
 
 namespace engine {
 
@@ -21,18 +21,19 @@ inline Slots overlap(Slots a, Slots b) {
   return {std::max(a.begin, b.begin), std::min(a.end, b.end)};
 }
 
-/// How bright lights are in the slots of a window: one for all facets of a material, one per source.
-struct Brightness {
-  std::vector<Rgb> of_slot;  ///< [slot]; facets: exitance [W/m^2], sources: see api::LightSource::intensity
-  SlotMask lit;              ///< the slots in which it is not zero
-  Rgb mean;                  ///< over all frames of the animation
-  float peak = 0;            ///< largest channel in any frame of the animation
+/// A light seen from afar.
+struct LightBall {
+  Vec3 middle;         ///< of a facet or source  [m]
+  Vec3 normal;         ///< facet, unit
+  float radius_m = 0;  ///< of a ball about the middle that holds the facet
+  float area_m2 = 0;   ///< of the facet
 };
 
 /// A light where it is in some slots of the window: a facet, or a source.
 struct LightPose {
   Slots slots;
   Roughness roughness;
+  LightBall ball;
   PlacedLight facet;                     ///< where `source` is null
   const SourceMotion* source = nullptr;  ///< lives as long as the Emission
   Vec3 position, direction;              ///< of a source
@@ -43,14 +44,14 @@ inline constexpr std::uint32_t kNoFacet = 0xffffffffu;
 struct WindowLight {
   std::uint32_t facet = kNoFacet;
   std::uint32_t stream = 0;      ///< its number in every window: its random numbers follow from it
-  std::uint32_t brightness = 0;  ///< into WindowLights::brightness
+  std::uint32_t brightness = 0;  ///< into WindowLights::brightness.of
   /// Never moves: it has one pose, whatever the window. Its `slots` are all of them, lit or dark.
   bool is_static = false;
   std::vector<LightPose> poses;
 };
 
 struct WindowLights {
-  std::vector<Brightness> brightness;
+  BrightnessTable brightness;
   /// Lights that rest and shine in some frame of the animation, the same ones in the same order in every
   /// window; then those that move and shine in a slot of this one, in which poses that are dark are left out.
   std::vector<WindowLight> lights;

@@ -35,7 +35,7 @@ TEST(WindowLights, AMovingLightThatIsOffInTheWholeWindowIsNotInIt) {
   const WindowLights late = place_in(world, {3, 4});
   ASSERT_EQ(late.lights.size(), 1u);
   EXPECT_EQ(late.lights[0].facet, 2u);
-  const Brightness& brightness = late.brightness[late.lights[0].brightness];
+  const Brightness& brightness = late.brightness.of[late.lights[0].brightness];
   EXPECT_FALSE(brightness.lit.test(0));
   EXPECT_TRUE(brightness.lit.test(1));
 }
@@ -50,7 +50,7 @@ TEST(WindowLights, ALightAtRestIsInEveryWindowOnceItShinesInSomeFrame) {
     EXPECT_EQ(lights.lights[0].facet, 1u);
     ASSERT_EQ(lights.lights[0].poses.size(), 1u);
     EXPECT_EQ(lights.lights[0].poses[0].slots.end, frames.size());
-    const Brightness& brightness = lights.brightness[lights.lights[0].brightness];
+    const Brightness& brightness = lights.brightness.of[lights.lights[0].brightness];
     EXPECT_EQ(brightness.peak, 4);
     EXPECT_EQ(brightness.mean, (Rgb{0.125f, 0, 0.5f}));
   }
