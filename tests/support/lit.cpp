@@ -9,8 +9,9 @@
 #include <iterator>
 #include <numeric>
 
-#include "engine/direct/direct_light.h"
 #include "engine/lighting/compose.h"
+#include "engine/pipeline/light_directly.h"
+#include "engine/pipeline/light_indirectly.h"
 
 namespace tests {
 namespace {
@@ -70,20 +71,31 @@ std::vector<engine::FrameIndex> every_frame(const engine::Animation& animation) 
 }
 
 LitFrames light_frames(const ReadyScene& ready, const std::vector<engine::FrameIndex>& frames,
-                       const api::LightingOptions& options) {
+                       const api::LightingOptions& asked) {
+  api::LightingOptions options = asked;
+  options.mode = api::LightingMode::reference;
+  const engine::RunHooks hooks;
+  api::JobReport report;
+  engine::StageClock clock(hooks, report);
+  engine::Checkpoints none;
+  const auto groups = value_or_abort(engine::light_directly(
+      ready.lit, engine::light_groups(ready.scene, ready.animation, {}, 0), frames, options, none, clock));
+  engine::KeyFrames chosen;
+  chosen.keys = frames;
+  engine::merge_solved(chosen);
+  const auto indirect =
+      value_or_abort(engine::light_indirectly(ready.lit, groups, options, chosen, none, clock));
+
   LitFrames lit;
-  const bool apart = options.direct == api::DirectLight::apart;
-  if (apart)
-    lit.direct = value_or_abort(engine::direct_light(ready.patches, ready.animation, ready.animation.emission,
-                                                     ready.static_rays, frames,
-                                                     {options.samples_per_light, 1, options.seed}, {}))
-                     .irradiance_w_m2;
-  const engine::PatchSeries* direct = apart ? &lit.direct : nullptr;
-  auto indirect = value_or_abort(
-      engine::indirect_light(ready.lit, frames, direct, {options.line_count, options.seed}, {}));
-  lit.radiosity = engine::compose_radiosity(ready.lit, frames, direct, indirect.irradiance_w_m2);
-  lit.indirect = std::move(indirect.irradiance_w_m2);
+  lit.indirect = indirect.irradiance_w_m2.mean();
   lit.counts = indirect.counts;
+  lit.radiosity = lit.indirect;
+  if (options.direct == api::DirectLight::apart) {
+    lit.direct = groups[0].direct.irradiance_w_m2;
+    for (std::size_t k = 0; k < lit.direct.values.size(); ++k)
+      lit.radiosity.values[k] += lit.direct.values[k];
+  }
+  engine::to_radiosity(ready.lit, engine::pointers_to(groups), frames, lit.radiosity);
   return lit;
 }
 

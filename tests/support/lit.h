@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "api/job_request.h"
-#include "engine/lighting/light_sequence.h"
+#include "engine/lighting/light_at_rest.h"
 #include "tests/support/scenes.h"
 
 namespace tests {

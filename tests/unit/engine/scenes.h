@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/animation/animation.h"
-#include "engine/lighting/light_sequence.h"
+#include "engine/lighting/lit_scene.h"
 #include "engine/patches/patches.h"
 #include "engine/visibility/ray_scene.h"
 #include "tests/unit/image/rooms.h"
