@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,13 @@ class SceneBuilder {
     scene_.materials.push_back({"", reflectance, exitance_w_m2, both_sides});
     animation_.emission.exitance_w_m2.push_back({exitance_w_m2});
     return static_cast<std::uint32_t>(scene_.materials.size() - 1);
+  }
+
+  /// A material whose exitance is another in every frame.
+  std::uint32_t add_material(engine::Rgb reflectance, std::vector<engine::Rgb> exitance_w_m2) {
+    const std::uint32_t material = add_material(reflectance, exitance_w_m2.front());
+    animation_.emission.exitance_w_m2[material] = std::move(exitance_w_m2);
+    return material;
   }
 
   /// An object that rests in every frame.
@@ -68,6 +76,10 @@ class SceneBuilder {
     add_box(low, high, inward, {material, material, material, material, material, material}, object);
   }
 
+  void add_camera(const std::string& name, std::vector<engine::CameraPose> poses) {
+    animation_.cameras[name] = std::move(poses);
+  }
+
   const engine::Scene& scene() const { return scene_; }
   const engine::Animation& animation() const { return animation_; }
 
@@ -75,6 +87,21 @@ class SceneBuilder {
   engine::Scene scene_;
   engine::Animation animation_;
 };
+
+/// One pose for every frame, equal neighbours in one span; `pose_at(t)` with t from 0 (first frame) to 1
+/// (last).
+template <class PoseAt>
+engine::ObjectMotion motion(engine::FrameIndex frame_count, const PoseAt& pose_at) {
+  engine::ObjectMotion motion;
+  for (engine::FrameIndex f = 0; f < frame_count; ++f) {
+    const engine::Pose pose = pose_at(frame_count > 1 ? double(f) / (frame_count - 1) : 0.0);
+    if (!motion.spans.empty() && motion.spans.back().pose == pose)
+      motion.spans.back().last = f;
+    else
+      motion.spans.push_back({f, f, pose});
+  }
+  return motion;
+}
 
 /// Turned by `angle` [radians] about the vertical (z), then moved to (x, y, z).
 inline engine::Pose turned_and_moved(double angle, double x, double y, double z) {
