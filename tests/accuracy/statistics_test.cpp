@@ -1,6 +1,8 @@
 // The yardstick itself: t-tests that pass what is right and refuse what is wrong.
 #include "tests/support/statistics.h"
 
+#include <cmath>
+
 #include "engine/base/sobol.h"
 
 namespace tests {
@@ -27,6 +29,20 @@ TEST(Statistics, ProbabilitiesOfStudentsT) {
   EXPECT_NEAR(two_sided_p(3.169, 10), 0.01, 1e-5);
   EXPECT_NEAR(two_sided_p(1.962339, 1000), 0.05, 2e-5);
   EXPECT_NEAR(two_sided_p(0, 7), 1.0, 1e-12);
+}
+
+// From a table of chi-square: 5 % and .1 %.
+TEST(Statistics, ProbabilitiesOfChiSquare) {
+  EXPECT_NEAR(chi_square_p(3.841, 1), 0.05, 1e-4);
+  EXPECT_NEAR(chi_square_p(30.144, 19), 0.05, 1e-5);
+  EXPECT_NEAR(chi_square_p(43.820, 19), 0.001, 1e-6);
+  EXPECT_NEAR(chi_square_p(124.342, 100), 0.05, 1e-5);
+}
+
+// (1 - x)^m = 1 - family.
+TEST(Statistics, ManyTestsTogetherRefuseAsOftenAsTheirFamilyMay) {
+  EXPECT_NEAR(std::pow(1 - sidak(1e-3, 500), 500), 1 - 1e-3, 1e-12);
+  EXPECT_DOUBLE_EQ(sidak(0.05, 1), 0.05);
 }
 
 // Of 2,000 tests of a true mean at 5 % about 100 are refused, with a spread of 9.7; 5 of them allowed: a

@@ -36,6 +36,26 @@ double two_sided_p(double t, double degrees) {
   return area(std::atan(std::abs(t) / std::sqrt(degrees)), right_angle) / area(0, right_angle);
 }
 
+/// 1 - P(a, x) with a = degrees / 2 and half of the statistic, by the series of the incomplete gamma
+/// function: P(a, x) = x^a e^-x sum_n x^n / Gamma(a + n + 1).
+double chi_square_p(double x, double degrees) {
+  const double a = degrees / 2, half = x / 2;
+  if (half <= 0) return 1;
+  double term = std::exp(a * std::log(half) - half - std::lgamma(a + 1)), sum = 0;
+  for (int n = 1; term > 1e-18 * sum || n < half; ++n) {
+    sum += term;
+    term *= half / (a + n);
+  }
+  return std::max(0.0, 1 - sum);
+}
+
+double chi_square(const std::vector<double>& counted, const std::vector<double>& expected) {
+  double sum = 0;
+  for (std::size_t k = 0; k < counted.size(); ++k)
+    sum += (counted[k] - expected[k]) * (counted[k] - expected[k]) / expected[k];
+  return sum;
+}
+
 double sidak(double family, std::size_t comparisons) {
   return -std::expm1(std::log1p(-family) / static_cast<double>(comparisons));
 }

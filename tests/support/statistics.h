@@ -26,6 +26,12 @@ double two_sided_p(double t, double degrees);
 testing::AssertionResult agrees(const Sample& sample, double exact, double false_alarm,
                                 double systematic = 0);
 
+/// P(X > x) of the chi-square distribution with `degrees` >= 1 degrees of freedom.
+double chi_square_p(double x, double degrees);
+
+/// sum (counted - expected)^2 / expected, over the cells of a table.
+double chi_square(const std::vector<double>& counted, const std::vector<double>& expected);
+
 /// What one of `comparisons` independent tests may be refused at, so that all of them together refuse a
 /// correct solver with probability `family`. Source: Sidak, JASA 62, 1967:  1 - (1 - family)^(1/m).
 double sidak(double family, std::size_t comparisons);
