@@ -5,6 +5,7 @@
 
 #include "engine/base/sobol.h"
 #include "engine/lighting/solve_difference.h"
+#include "engine/patches/texture_reflectance.h"
 
 namespace engine {
 namespace {
@@ -47,6 +48,7 @@ api::Result<Estimator> Estimator::begin(const Scene& scene, const Animation& ani
                                         const api::LightingOptions& options, const Progress& progress) {
   auto patches = mesh_into_patches(scene, options.estimate_patch_edge_m);
   if (!patches) return patches.error();
+  patches->texture_reflectance = texture_reflectance(scene, animation, *patches);
   Estimator estimator(scene, animation, static_rays, options);
   estimator.estimate_ = std::make_unique<Estimate>();
   estimator.estimate_->patches = std::move(*patches);

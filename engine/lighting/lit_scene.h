@@ -5,6 +5,7 @@
 
 #include "engine/animation/animation.h"
 #include "engine/patches/patches.h"
+#include "engine/patches/texture_reflectance.h"
 #include "engine/scene/scene.h"
 #include "engine/visibility/ray_scene.h"
 
@@ -24,7 +25,7 @@ struct LitScene {
   }
   /// rho  [-]
   Rgb reflectance(PatchId patch, FrameIndex frame) const {
-    return material_reflectance(scene, animation, material_of(patch), frame);
+    return patch_reflectance(scene, animation, patches, patch, frame);
   }
   /// Of fronts only  [W/m^2]
   Rgb exitance(const Emission& emission, PatchId patch, FrameIndex frame) const {

@@ -58,7 +58,7 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
 
 }  // namespace
 
-Animation frozen(const Scene& scene, const Animation& animation, FrameIndex frame) {
+Animation frozen(const Animation& animation, FrameIndex frame) {
   Animation alone;
   alone.frame_count = 1;
   for (const ObjectMotion& motion : animation.objects) {
@@ -74,8 +74,10 @@ Animation frozen(const Scene& scene, const Animation& animation, FrameIndex fram
     source.intensity = {in_frame(source.intensity, frame)};
     alone.emission.sources.push_back(std::move(source));
   }
-  for (std::uint32_t m = 0; m < scene.materials.size(); ++m)
-    alone.reflectance.push_back({material_reflectance(scene, animation, m, frame)});
+  for (const auto& series : animation.reflectance) {
+    alone.reflectance.emplace_back();
+    if (!series.empty()) alone.reflectance.back() = {in_frame(series, frame)};
+  }
   return alone;
 }
 
@@ -86,7 +88,7 @@ api::Result<AloneLight> light_frame_by_frame(const LitScene& lit, const api::Lig
   all.radiosity_w_m2 = PatchSeries(lit.patches.count(), frames);
   if (options.standard_errors) all.standard_error_w_m2 = PatchSeries(lit.patches.count(), frames);
   for (FrameIndex frame = 0; frame < frames; ++frame) {
-    const Animation alone = frozen(lit.scene, lit.animation, frame);
+    const Animation alone = frozen(lit.animation, frame);
     const StaticRays rays(lit.patches, alone);
     const auto light = light_frame(
         {lit.scene, alone, lit.patches, rays}, options, all.counts,

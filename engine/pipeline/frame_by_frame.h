@@ -21,6 +21,6 @@ api::Result<AloneLight> light_frame_by_frame(const LitScene& lit, const api::Lig
                                              const Progress& progress);
 
 /// The scene of `frame` alone: one frame, in which all that is there rests.
-Animation frozen(const Scene& scene, const Animation& animation, FrameIndex frame);
+Animation frozen(const Animation& animation, FrameIndex frame);
 
 }  // namespace engine

@@ -3,6 +3,7 @@
 #include "engine/animation/check_light_groups.h"
 #include "engine/base/parallel.h"
 #include "engine/image/texture_file.h"
+#include "engine/patches/texture_reflectance.h"
 #include "engine/pipeline/check_poses.h"
 #include "engine/pipeline/forecast.h"
 #include "engine/pipeline/job_fingerprint.h"
@@ -107,8 +108,9 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
   expect_forecast(clock, job->size, forecast_job(*job, thread_count(), report));
 
   clock.begin(api::Stage::patches);
-  const auto patches = mesh_into_patches(job->scene, request.lighting.patch_edge_m);
+  auto patches = mesh_into_patches(job->scene, request.lighting.patch_edge_m);
   if (!patches) return patches.error();
+  patches->texture_reflectance = texture_reflectance(job->scene, job->animation, *patches);
   const StaticRays static_rays(*patches, job->animation);
   const LitScene lit{job->scene, job->animation, *patches, static_rays};
 
