@@ -43,16 +43,30 @@ PatchSeries left_out(const LitScene& lit, std::span<const LitGroup> groups,
   return missed;
 }
 
-std::vector<double> largest_errors(const PatchSeries& missed, const PatchSeries& radiosity_w_m2,
-                                   double floor_w_m2) {
-  std::vector<double> largest(missed.frame_count, 0.0);
-  for (PatchId patch = 0; patch < missed.patch_count; ++patch)
-    for (std::uint32_t c = 0; c < missed.frame_count; ++c) {
-      const Rgb by = missed.at(patch, c);
-      const double against = std::max(double{max_channel(radiosity_w_m2.at(patch, c))}, floor_w_m2);
-      if (against > 0)
-        largest[c] =
-            std::max(largest[c], std::max({std::abs(by.r), std::abs(by.g), std::abs(by.b)}) / against);
+std::vector<double> check_errors(const LitScene& lit, const ReplicateMean& missed,
+                                 const CheckedRadiosity& radiosity) {
+  const bool has_noise = missed.count() > 1;
+  const PatchSeries variance = has_noise ? missed.variance() : PatchSeries();
+  const std::uint32_t checks = missed.mean().frame_count;
+  std::vector<double> largest(checks, 0.0);
+  for (const Facet& facet : lit.patches.facets)
+    for (std::uint32_t c = 0; c < checks; ++c) {
+      Rgb of_facet;
+      const PatchId end = facet.first_patch + facet.patch_count();
+      for (PatchId patch = facet.first_patch; has_noise && patch < end; ++patch)
+        of_facet += variance.at(patch, c) * (1.0f / static_cast<float>(facet.patch_count()));
+      for (PatchId patch = facet.first_patch; patch < end; ++patch) {
+        const Rgb by = missed.mean().at(patch, c);
+        const Rgb noise = has_noise ? variance.at(patch, c) : Rgb{};
+        const auto beyond = [&](float m, float own, float facets) {
+          return std::abs(m) - kCheckSignificance * std::sqrt(std::max(own, facets));
+        };
+        const double over = std::max({beyond(by.r, noise.r, of_facet.r), beyond(by.g, noise.g, of_facet.g),
+                                      beyond(by.b, noise.b, of_facet.b)});
+        const double against =
+            std::max(double{max_channel(radiosity.at_checks_w_m2.at(patch, c))}, 0.5 * radiosity.mean_w_m2);
+        if (against > 0) largest[c] = std::max(largest[c], over / against);
+      }
     }
   return largest;
 }

@@ -21,10 +21,24 @@ PatchSeries left_out(const LitScene& lit, std::span<const LitGroup> groups,
                      std::span<const PatchSeries* const> interpolated, std::span<const FrameIndex> keys,
                      std::span<const FrameIndex> checks, api::Interpolation interpolation);
 
-/// Largest e(i, f) = max_c |missed| / max(max_c B, floor) over the patches, [check].
-/// missed, radiosity: [patch][check]; floor_w_m2: half the mean B.
-std::vector<double> largest_errors(const PatchSeries& missed, const PatchSeries& radiosity_w_m2,
-                                   double floor_w_m2);
+/// What errors at the checks are relative to.
+struct CheckedRadiosity {
+  PatchSeries at_checks_w_m2;  ///< B, [patch][check]
+  double mean_w_m2 = 0;        ///< mean B
+};
+
+/// Standard errors that B^ - B must exceed to count: the lines see a shadow's border move in steps, and what
+/// few lines see of it is not the error of interpolating.
+inline constexpr float kCheckSignificance = 5.0f;
+
+/// Largest over the patches of what stands out of the noise, [check]:
+///
+///     e(i, f) = max_c (|m| - kCheckSignificance s) / max(max_c B, mean B / 2), at least 0
+///
+/// m: mean over the replicates of B^ - B. s: its standard error, or, where that is more, the root mean square
+/// of those of the patches of its facet: of eight replicates some are close together by chance.
+std::vector<double> check_errors(const LitScene& lit, const ReplicateMean& missed,
+                                 const CheckedRadiosity& radiosity);
 
 /// Makes the checks of `bad` (one flag per check) keys, with a check in the middle of each half that has one.
 /// Returns whether anything changed. `chosen.solved` is brought up to date.

@@ -41,7 +41,7 @@ class Search {
   api::Result<Frames> keys(Evidence evidence) {
     return fewest_key_frames(
         error_.frame_count(),
-        [&](FrameIndex a, FrameIndex b) { return error_.within(a, b, options_.tolerance, evidence); },
+        [&](FrameIndex a, FrameIndex b) { return error_.within(a, b, kAim * options_.tolerance, evidence); },
         forced_, progress_);
   }
 
@@ -85,10 +85,11 @@ api::Result<KeyFrames> by_interpolation_error(Estimator& estimator, const api::L
     const auto many = search.keys(Evidence::surely), few = search.keys(Evidence::hardly);
     auto keys = search.keys(Evidence::likely);
     if (!many || !few || !keys) return api::Error{api::Fault::stopped, "stopped while choosing key-frames"};
-    const std::size_t open = many->size() - std::min(few->size(), many->size());
-    if (open > std::max<std::size_t>(1, few->size() / 10) && round < kEstimateRounds) continue;
+    const std::size_t open = std::max(many->size() - std::min(many->size(), keys->size()),
+                                      keys->size() - std::min(few->size(), keys->size()));
+    if (open > std::max<std::size_t>(1, keys->size() / 10) && round < kEstimateRounds) continue;
     KeyFrames chosen;
-    chosen.keys = recheck(search, options.tolerance, std::move(*keys));
+    chosen.keys = recheck(search, kAim * options.tolerance, std::move(*keys));
     chosen.checks = middles(chosen.keys);
     chosen.predicted_error = search.errors(chosen.keys);
     merge_solved(chosen);

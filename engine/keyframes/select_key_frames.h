@@ -21,12 +21,16 @@ KeyFrames all_frames(std::uint32_t frame_count);
 /// The other modes, on an estimate that has no lines yet: Table 1 on total radiosity, or the fewest keys
 /// whose interpolation stays within the tolerance. In the latter mode lines are added, doubling them up to
 /// kEstimateRounds times, while the noise of the estimate leaves the number of keys open: while the keys that
-/// are surely enough are more than one or a tenth above those that are hardly enough. Then the mean of the
-/// replicates decides. Forced: the pairs of frames at jumps (jumps.h), and every kIntervalMax-th frame.
-/// Error: stopped.
+/// are surely enough, or those that are hardly enough, are more than one and a tenth off those by the mean of
+/// the replicates, which decides then. Forced: the pairs of frames at jumps (jumps.h), and every
+/// kIntervalMax-th frame. Error: stopped.
 api::Result<KeyFrames> select_key_frames(Estimator& estimator, const api::LightingOptions& options,
                                          const Progress& progress);
 inline constexpr int kEstimateRounds = 3;
+
+/// The search keeps to this share of the tolerance: fine patches miss by more than the estimate's, which are
+/// means over metres.
+inline constexpr double kAim = 0.75;
 
 /// The middle of each interval that has one.
 std::vector<api::FrameIndex> middles(const std::vector<api::FrameIndex>& keys);

@@ -34,22 +34,6 @@ KeyFrames part_in(const KeyFrames& chosen, const Frames& window) {
   return part;
 }
 
-/// Adds what a window has and `chosen` lacks, and forgets the checks that became keys.
-void take_over(const KeyFrames& part, KeyFrames& chosen) {
-  const auto unite = [](Frames& to, const Frames& more) {
-    Frames all;
-    std::set_union(to.begin(), to.end(), more.begin(), more.end(), std::back_inserter(all));
-    to = std::move(all);
-  };
-  unite(chosen.keys, part.keys);
-  unite(chosen.checks, part.checks);
-  Frames checks;
-  std::set_difference(chosen.checks.begin(), chosen.checks.end(), chosen.keys.begin(), chosen.keys.end(),
-                      std::back_inserter(checks));
-  chosen.checks = std::move(checks);
-  merge_solved(chosen);
-}
-
 /// Takes `part`, columns from `skip` on, into the running mean of `count` replicates, at column `first`.
 void blend(const PatchSeries& part, std::uint32_t skip, std::uint32_t first, std::uint32_t count,
            PatchSeries& mean) {
@@ -60,16 +44,6 @@ void blend(const PatchSeries& part, std::uint32_t skip, std::uint32_t first, std
       value += (part.at(patch, k) - value) * share;
     }
   });
-}
-
-PatchSeries columns_at(const PatchSeries& series, const Frames& have, const Frames& wanted) {
-  PatchSeries taken(series.patch_count, static_cast<std::uint32_t>(wanted.size()));
-  for (std::uint32_t k = 0; k < wanted.size(); ++k) {
-    const auto from =
-        static_cast<std::uint32_t>(std::lower_bound(have.begin(), have.end(), wanted[k]) - have.begin());
-    for (PatchId patch = 0; patch < series.patch_count; ++patch) taken.at(patch, k) = series.at(patch, from);
-  }
-  return taken;
 }
 
 class IndirectSolver {
@@ -92,12 +66,11 @@ class IndirectSolver {
       const Progress part = part_of(progress, share_done(), share_done(1));
       if (const auto s = add_replicate(part); !s) return s.error();
       ++done_;
-      if (done_ == replicates_) ask_for_more();
-      if (checkpoints_.due() && done_ < replicates_) save();
+      if (done_ == replicates_ && !splits_bad_intervals()) ask_for_more();
+      if (checkpoints_.due() && 0 < done_ && done_ < replicates_) save();
     }
-    IndirectLight light{std::move(frames_), std::move(*mean_),  std::move(of_name_),
-                        std::move(names_),  std::move(missed_), counts_};
-    return light;
+    return IndirectLight{std::move(frames_), std::move(*mean_),    std::move(of_name_),
+                         std::move(names_),  std::move(observed_), counts_};
   }
 
  private:
@@ -112,8 +85,7 @@ class IndirectSolver {
     replicates_ = std::max(replicates_, wants_errors ? kReplicatesMin : 1);
     static_lines_ = std::max<std::uint64_t>(1, lines / replicates_);
     moving_lines_ = std::clamp<std::uint64_t>(options_.moving_line_count / replicates_, 1, static_lines_);
-    if (!splits(options_)) frames_ = chosen_.solved;
-    if (splits(options_) && fills_between(options_)) frames_ = every_frame();
+    if (fills_between(options_)) frames_ = every_frame();
     place_direct();
     for (const LitGroup& group : groups_) {
       sources_.push_back({&group.group.emission,
@@ -121,6 +93,7 @@ class IndirectSolver {
       if (!options_.light_groups.empty() && (names_.empty() || names_.back() != group.group.name))
         names_.push_back(group.group.name);
     }
+    begin_replicates();
   }
 
   /// Direct light was computed in every frame, or where frames are solved.
@@ -173,9 +146,10 @@ class IndirectSolver {
       count(*lines, counts);
       WindowSolver window(lit_, groups_, sources_, *rests, all[w], std::move(*lines));
       const Progress solving = part_of(progress, share(kTracingShare), share(1));
-      if (const auto s = solve(window, all[w], counts, solving); !s) return s.error();
+      const KeyFrames part = part_in(chosen_, all[w]);
+      if (const auto s = window.solve(part.solved, counts, solving); !s) return s.error();
       counts.empty_rows += window.empty_rows();
-      if (splits(options_)) missed.push_back(missed_in(window, part_in(chosen_, all[w])));
+      if (splits(options_)) missed.push_back(missed_in(window, part));
       auto light = light_of(window, solving);
       if (!light) return light.error();
       found.push_back(std::move(*light));
@@ -199,26 +173,6 @@ class IndirectSolver {
     counts_.empty_rows += counts.empty_rows;
     counts_.iterations = std::max(counts_.iterations, counts.iterations);
     counts_.converged = counts_.converged && counts.converged;
-  }
-
-  /// Solves the window's frames; the first replicate splits the intervals that its check frames show to be
-  /// bad.
-  api::Status solve(WindowSolver& window, const Frames& frames, SolveCounts& counts,
-                    const Progress& progress) {
-    KeyFrames part = part_in(chosen_, frames);
-    for (bool changed = true; changed;) {
-      if (const auto s = window.solve(part.solved, counts, progress); !s) return s.error();
-      if (!splits(options_) || done_ > 0) return api::Done{};
-      const PatchSeries radiosity = window.radiosity_at_solved();
-      const std::vector<double> errors =
-          largest_errors(missed_in(window, part), columns_at(radiosity, window.solved(), part.checks),
-                         0.5 * mean_radiosity(lit_, radiosity));
-      std::vector<bool> bad;
-      for (const double error : errors) bad.push_back(error > options_.tolerance);
-      changed = split(part, bad);
-    }
-    take_over(part, chosen_);
-    return api::Done{};
   }
 
   PatchSeries missed_in(const WindowSolver& window, const KeyFrames& part) const {
@@ -247,14 +201,8 @@ class IndirectSolver {
 
   void accumulate(const std::vector<Frames>& all, std::vector<std::vector<PatchSeries>>& found,
                   const std::vector<PatchSeries>& missed) {
-    if (frames_.empty()) frames_ = chosen_.solved;
-    const auto out = static_cast<std::uint32_t>(frames_.size());
-    if (!mean_) {
-      mean_.emplace(lit_.patches.count(), out);
-      of_name_.assign(names_.size(), PatchSeries(lit_.patches.count(), out));
-      missed_ = PatchSeries(lit_.patches.count(), static_cast<std::uint32_t>(chosen_.checks.size()));
-    }
     mean_->begin();
+    missed_->begin();
     std::uint32_t first = 0, first_check = 0;
     for (std::size_t w = 0; w < all.size(); ++w) {
       const std::uint32_t skip = w > 0 && splits(options_) ? 1 : 0;
@@ -265,9 +213,56 @@ class IndirectSolver {
       mean_->add(found[w][0], skip, first);
       first += found[w][0].frame_count - skip;
       if (missed.empty()) continue;
-      blend(missed[w], 0, first_check, done_ + 1, missed_);
+      missed_->add(missed[w], 0, first_check);
       first_check += missed[w].frame_count;
     }
+  }
+
+  /// Room for the replicates, none of which is done.
+  void begin_replicates() {
+    if (!fills_between(options_)) frames_ = chosen_.solved;
+    const auto out = static_cast<std::uint32_t>(frames_.size());
+    mean_.emplace(lit_.patches.count(), out);
+    of_name_.assign(names_.size(), PatchSeries(lit_.patches.count(), out));
+    missed_.emplace(lit_.patches.count(), static_cast<std::uint32_t>(chosen_.checks.size()));
+    done_ = 0;
+    counts_ = {};
+  }
+
+  /// Looks at the check frames; where they show intervals to be bad, splits those and begins again.
+  bool splits_bad_intervals() {
+    if (!splits(options_) || chosen_.checks.empty()) return false;
+    observed_ = check_errors(lit_, *missed_, radiosity_at_checks());
+    std::vector<bool> bad;
+    for (const double error : observed_) bad.push_back(error > options_.tolerance);
+    if (rounds_ == kSplitRounds || !split(chosen_, bad)) return false;
+    ++rounds_;
+    begin_replicates();
+    return true;
+  }
+
+  /// B at the check frames, [patch][check], and the mean B.
+  CheckedRadiosity radiosity_at_checks() const {
+    PatchSeries arriving = mean_->mean();
+    const auto all = pointers_to(groups_);
+    if (options_.direct == api::DirectLight::apart)
+      for_each_patch(arriving.patch_count, {}, [&](PatchId patch) {
+        for (std::uint32_t k = 0; k < arriving.frame_count; ++k)
+          for (std::size_t g = 0; g < groups_.size(); ++g)
+            arriving.at(patch, k) +=
+                in_frame(groups_[g].group.scale, frames_[k]) * sources_[g].direct_in_frame(patch, frames_[k]);
+      });
+    to_radiosity(lit_, all, frames_, arriving);
+    CheckedRadiosity found{
+        PatchSeries(arriving.patch_count, static_cast<std::uint32_t>(chosen_.checks.size())),
+        mean_radiosity(lit_, arriving)};
+    for (std::uint32_t c = 0; c < chosen_.checks.size(); ++c) {
+      const auto k = static_cast<std::uint32_t>(
+          std::lower_bound(frames_.begin(), frames_.end(), chosen_.checks[c]) - frames_.begin());
+      for (PatchId patch = 0; patch < arriving.patch_count; ++patch)
+        found.at_checks_w_m2.at(patch, c) = arriving.at(patch, k);
+    }
+    return found;
   }
 
   /// Where a target error is not met: so many replicates more that it should be.
@@ -299,49 +294,36 @@ class IndirectSolver {
   void save() {
     std::vector<CheckpointPart> parts{part_of_checkpoint(done_),
                                       part_of_checkpoint(replicates_),
+                                      part_of_checkpoint(rounds_),
                                       part_of_checkpoint(chosen_.keys),
                                       part_of_checkpoint(chosen_.checks),
-                                      part_of_checkpoint(frames_),
                                       part_of_checkpoint(counts_),
-                                      part_of_checkpoint(missed_.values),
+                                      part_of_checkpoint(missed_->mean().values),
+                                      part_of_checkpoint(missed_->squares().values),
                                       part_of_checkpoint(mean_->mean().values),
                                       part_of_checkpoint(mean_->squares().values)};
     for (const PatchSeries& series : of_name_) parts.push_back(part_of_checkpoint(series.values));
     (void)checkpoints_.save("indirect", parts);  // one that fails costs time only if the run is killed
   }
 
+  /// Into what begin_replicates() has made room for; a checkpoint is whole, and of this job, or not there.
   bool load() {
     auto saved = checkpoints_.load("indirect");
-    if (!saved) return false;
-    KeyFrames chosen = chosen_;
-    std::uint32_t done = 0, replicates = 0;
-    Frames frames;
-    SolveCounts counts;
-    PatchSeries missed;
-    if (!saved->take(done) || !saved->take(replicates) || !saved->take(chosen.keys) ||
-        !saved->take(chosen.checks) || !saved->take(frames) || !saved->take(counts) ||
-        !saved->take(missed.values))
+    std::uint32_t done = 0;
+    if (!saved || !saved->take(done) || !saved->take(replicates_) || !saved->take(rounds_) ||
+        !saved->take(chosen_.keys) || !saved->take(chosen_.checks))
       return false;
-    const std::uint32_t patches = lit_.patches.count();
-    ReplicateMean mean(patches, static_cast<std::uint32_t>(frames.size()));
-    if (!saved->take(mean.mean_values().values) || !saved->take(mean.squares().values)) return false;
-    std::vector<PatchSeries> of_name(names_.size(),
-                                     PatchSeries(patches, static_cast<std::uint32_t>(frames.size())));
-    for (PatchSeries& series : of_name)
-      if (!saved->take(series.values)) return false;
-    mean.set_count(done);
-    merge_solved(chosen);
-    missed.patch_count = patches;
-    missed.frame_count = static_cast<std::uint32_t>(chosen.checks.size());
+    merge_solved(chosen_);
+    begin_replicates();
     done_ = done;
-    replicates_ = replicates;
-    chosen_ = std::move(chosen);
-    frames_ = std::move(frames);
-    counts_ = counts;
-    missed_ = std::move(missed);
-    mean_ = std::move(mean);
-    of_name_ = std::move(of_name);
-    return true;
+    mean_->set_count(done);
+    missed_->set_count(done);
+    bool whole = saved->take(counts_) && saved->take(missed_->mean_values().values) &&
+                 saved->take(missed_->squares().values) && saved->take(mean_->mean_values().values) &&
+                 saved->take(mean_->squares().values);
+    for (PatchSeries& series : of_name_) whole = whole && saved->take(series.values);
+    if (!whole) begin_replicates();
+    return whole;
   }
 
   /// Shares of a replicate and of a window; progress only.
@@ -362,7 +344,9 @@ class IndirectSolver {
   Frames frames_;
   std::optional<ReplicateMean> mean_;
   std::vector<PatchSeries> of_name_;
-  PatchSeries missed_;
+  std::optional<ReplicateMean> missed_;
+  std::vector<double> observed_;
+  std::uint32_t rounds_ = 0;
   SolveCounts counts_;
 };
 

@@ -26,16 +26,19 @@ struct IndirectLight {
   ReplicateMean irradiance_w_m2;   ///< all groups with their scale, [patch][position in frames]
   /// The same of each named group, mean of the replicates; empty where the job names none.
   std::vector<PatchSeries> of_name;
-  std::vector<std::string> names;  ///< of of_name, in order
-  PatchSeries missed_w_m2;         ///< B^ - B at the checks, see left_out, [patch][check]
+  std::vector<std::string> names;      ///< of of_name, in order
+  std::vector<double> observed_error;  ///< at the checks, see check_errors; in mode `default`
   SolveCounts counts;
 };
 
-/// Solves the frames of `chosen`. In mode `default` the first replicate also checks them: intervals whose
-/// check frame shows more than the tolerance are split in `chosen`, and their halves checked, until none is
-/// left. Where only indirect light is interpolated, the frames between are filled too (fill_between). With a
-/// target error replicates are added until the noise of all the light meets it (or kReplicatesMax). Error:
-/// stopped.
+/// Times that bad intervals are split and all is solved again.
+inline constexpr std::uint32_t kSplitRounds = 3;
+
+/// Solves the frames of `chosen`. In mode `default` the check frames are looked at when all replicates are
+/// done: intervals that they show to be worse than the tolerance are split in `chosen`, their halves get
+/// checks of their own, and all is solved again (the same lines), kSplitRounds times at most. Where only
+/// indirect light is interpolated, the frames between are filled too (fill_between). With a target error
+/// replicates are added until the noise of all the light meets it (or kReplicatesMax). Error: stopped.
 api::Result<IndirectLight> light_indirectly(const LitScene& lit, const std::vector<LitGroup>& groups,
                                             const api::LightingOptions& options, KeyFrames& chosen,
                                             Checkpoints& checkpoints, StageClock& clock);

@@ -86,13 +86,8 @@ void warn(const SolveCounts& counts, api::JobReport& report) {
 }
 
 /// What the solution said of each interval at its check frames.
-void observe(const KeyFrames& chosen, const PatchSeries& missed_w_m2, const PatchSeries& radiosity_w_m2,
-             double mean, const api::LightingOptions& options, api::KeyFrameReport& report) {
-  PatchSeries at_checks(missed_w_m2.patch_count, missed_w_m2.frame_count);
-  for (PatchId patch = 0; patch < at_checks.patch_count; ++patch)
-    for (std::uint32_t c = 0; c < at_checks.frame_count; ++c)
-      at_checks.at(patch, c) = radiosity_w_m2.at(patch, chosen.checks[c]);
-  const std::vector<double> errors = largest_errors(missed_w_m2, at_checks, 0.5 * mean);
+void observe(const KeyFrames& chosen, const std::vector<double>& errors, const api::LightingOptions& options,
+             api::KeyFrameReport& report) {
   for (api::KeyFrameInterval& interval : report.intervals) {
     const auto check = std::upper_bound(chosen.checks.begin(), chosen.checks.end(), interval.first);
     if (check == chosen.checks.end() || *check >= interval.last) continue;
@@ -230,9 +225,7 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   SolvedSequence solved;
   solved.radiosity_w_m2 = composer.radiosity(nullptr, indirect->irradiance_w_m2.mean());
   solved.key_frames = report_of(*chosen, options, lit.animation.frame_count);
-  if (!chosen->checks.empty())
-    observe(*chosen, indirect->missed_w_m2, solved.radiosity_w_m2, mean_radiosity(lit, solved.radiosity_w_m2),
-            options, solved.key_frames);
+  observe(*chosen, indirect->observed_error, options, solved.key_frames);
   if (indirect->irradiance_w_m2.count() > 1 && (options.standard_errors || options.target_error)) {
     PatchSeries error = composer.standard_error(indirect->irradiance_w_m2.variance());
     report_noise(lit, solved, error, options, report);
