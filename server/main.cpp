@@ -51,6 +51,7 @@ sigset_t block_stop_signals() {
 JobRules job_rules(const Config& config, const Doorbell& bell) {
   CheckRules check;
   check.program = config.worker;
+  check.render_threads = config.worker_threads;
   JobRules rules;
   rules.check = make_check(check);
   rules.work_arrived = [&bell] { bell.ring(); };

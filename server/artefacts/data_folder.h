@@ -3,7 +3,8 @@
 //   LOCK                 held by the one server that may use the folder; its process id inside
 //   keylume.db           SQLite, with -wal and -shm beside it
 //   tmp/<id>/            uploads on their way in; emptied at start-up
-//   jobs/<id>/           one job: input/, artefacts/, progress.ndjson, report.json, worker.log
+//   jobs/<id>/           one job: input/, artefacts/, checkpoint/, progress.ndjson, report.json,
+//                        worker.log
 #pragma once
 
 #include <filesystem>

@@ -33,7 +33,6 @@ constexpr std::size_t kKeepAliveRequests = 1000;
 constexpr std::size_t kMultipartFrameBytes = 1 << 20;
 constexpr std::size_t kPieceBytes = 64 * 1024;
 constexpr std::size_t kRequestIdBytesMax = 64;
-constexpr std::string_view kUploadPath = "/v1/jobs";
 constexpr std::string_view kContentTypeAside = "X-Keylume-Content-Type";
 
 HttpRequest request_of(const httplib::Request& from) {
@@ -68,7 +67,7 @@ std::string new_request_id() {
 }
 
 bool is_upload(const httplib::Request& request) {
-  return request.method == "POST" && request.path == kUploadPath;
+  return request.method == "POST" && (request.path == kSubmitPath || request.path == kValidatePath);
 }
 
 /// What the library decided about the request before we saw it, put right. It hands out a constant
@@ -251,9 +250,10 @@ struct HttpServer::Library {
         send(router.answer(ours), stopping, response);
       return Handled::Handled;
     });
-    server.Post(std::string(kUploadPath), [this](const auto& request, auto& response, const auto& reader) {
-      take_upload(request, response, reader);
-    });
+    for (const std::string_view path : {kSubmitPath, kValidatePath})
+      server.Post(std::string(path), [this](const auto& request, auto& response, const auto& reader) {
+        take_upload(request, response, reader);
+      });
     server.set_expect_100_continue_handler([this](const auto& request, auto& response) {
       if (!is_upload(request)) return 100;
       take_over(request);
@@ -286,7 +286,7 @@ struct HttpServer::Library {
     const Place place(uploads, rules.uploads_max);
     if (!place) return refuse_unread(too_many_uploads(request), stopping, request, response);
     UploadBody body(reader, rules, stopping);
-    HttpAnswer answer = submit_job(request_of(request), body.reading(), jobs, folder, rules.upload);
+    HttpAnswer answer = take_job(request_of(request), body.reading(), jobs, folder, rules.upload);
     if (body.too_slow())
       answer = problem(
           408,

@@ -55,7 +55,8 @@ Json json_of(const Job& job) {
       {"progress",
        {{"stage", job.stage ? Json(api::name_of(*job.stage)) : Json(nullptr)},
         {"stage_fraction", job.stage_fraction},
-        {"fraction", job.fraction}}},
+        {"fraction", job.fraction},
+        {"seconds_left", job.seconds_left ? Json(*job.seconds_left) : Json(nullptr)}}},
       {"attempt", job.attempt},
       {"created_at", utc_text(job.created_ms)},
       {"started_at", optional_time(job.started_ms)},
@@ -112,6 +113,11 @@ std::optional<ImageName> parse_image_path(std::string_view path) {
 
 std::string job_json(const Job& job) {
   return api::json_text(json_of(job));
+}
+
+std::string validation_json(const api::JobReport& report) {
+  return R"({"forecast":)" + api::forecast_json(*report.forecast) + R"(,"warnings":)" +
+         api::json_text(report.warnings) + "}";
 }
 
 std::string job_page_json(const JobPage& page) {

@@ -10,6 +10,8 @@ namespace server {
 
 /// components/schemas/Job
 std::string job_json(const Job& job);
+/// components/schemas/Validation. The report has a forecast.
+std::string validation_json(const api::JobReport& report);
 /// components/schemas/JobList; without the `errors` of failed jobs
 std::string job_page_json(const JobPage& page);
 

@@ -86,6 +86,23 @@ HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_vi
   return problem(refusal.status, refusal.error, path);
 }
 
+/// POST /v1/jobs, operationId submitJob.
+api::Result<HttpAnswer> submit_job(JobService& jobs, const Upload& upload) {
+  const auto job = jobs.submit(upload);
+  if (!job) return job.error();
+  HttpAnswer answer = json_answer(job_json(*job), 202);
+  answer.headers.emplace_back("Location", "/v1/jobs/" + job->id);
+  return answer;
+}
+
+/// POST /v1/validate, operationId validateJob.
+api::Result<HttpAnswer> validate_job(JobService& jobs, const Upload& upload) {
+  const auto report = jobs.validate(upload);
+  if (!report) return report.error();
+  if (!report->forecast) return api::Error{api::Fault::internal, "the check of the job made no forecast"};
+  return json_answer(validation_json(*report));
+}
+
 /// What is wrong with the job may well be that it is not what its sender meant to send.
 api::Error with_hint(api::Error error, std::string_view hint) {
   if (error.fault != api::Fault::invalid_request || hint.empty()) return error;
@@ -98,11 +115,12 @@ api::Error with_hint(api::Error error, std::string_view hint) {
 void add_job_routes(Router& router, JobService& jobs) {
   router.add("GET", "/v1/jobs",
              [&jobs](const auto& request, const auto&) { return list_jobs(jobs, request); });
-  // Its body streams, so http_server.cpp calls submit_job instead; here it stands for 405 and for the
+  // Their bodies stream, so http_server.cpp calls take_job instead; here they stand for 405 and for the
   // contract.
-  router.add("POST", "/v1/jobs", [](const auto& request, const auto&) {
-    return problem(415, "the body must be multipart/form-data", request.path);
-  });
+  for (const std::string_view path : {kSubmitPath, kValidatePath})
+    router.add("POST", std::string(path), [](const auto& request, const auto&) {
+      return problem(415, "the body must be multipart/form-data", request.path);
+    });
   router.add("GET", "/v1/jobs/{id}",
              [&jobs](const auto& request, const auto& values) { return get_job(jobs, request, values); });
   router.add("DELETE", "/v1/jobs/{id}",
@@ -130,8 +148,8 @@ std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const 
   return std::nullopt;
 }
 
-HttpAnswer submit_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
-                      const DataFolder& folder, const UploadLimits& limits) {
+HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
+                    const DataFolder& folder, const UploadLimits& limits) {
   if (auto refused = refuse_upload_early(request, folder, limits)) return *refused;
   UploadReceiver receiver(folder, new_job_id(system_clock_ms()), limits);
   MultipartParser parser(*multipart_boundary(*request.header("Content-Type")),
@@ -144,11 +162,8 @@ HttpAnswer submit_job(const HttpRequest& request, const ReadBody& read_body, Job
   const auto upload = receiver.finish();
   if (!upload) return refusal_answer(*receiver.refusal(), request.path);
 
-  const auto job = jobs.submit(*upload);
-  if (!job) return problem(with_hint(job.error(), receiver.hint()), request.path);
-  HttpAnswer answer = json_answer(job_json(*job), 202);
-  answer.headers.emplace_back("Location", "/v1/jobs/" + job->id);
-  return answer;
+  const auto answer = request.path == kValidatePath ? validate_job(jobs, *upload) : submit_job(jobs, *upload);
+  return answer ? *answer : problem(with_hint(answer.error(), receiver.hint()), request.path);
 }
 
 HttpAnswer json_answer(std::string body, int status) {

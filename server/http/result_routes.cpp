@@ -163,6 +163,12 @@ JobHandler artefact_at(std::string path) {
                                   const PathValues&) { return artefact_answer(jobs, job, request, path); };
 }
 
+/// GET .../artefacts/{file}, operationId getArtefact.
+HttpAnswer named_artefact(JobService& jobs, const Job& job, const HttpRequest& request,
+                          const PathValues& values) {
+  return artefact_answer(jobs, job, request, values.at("file"));
+}
+
 JobHandler image_of(std::string extension) {
   return [extension = std::move(extension)](JobService& jobs, const Job& job, const HttpRequest& request,
                                             const PathValues& values) {
@@ -182,6 +188,7 @@ void add_result_routes(Router& router, JobService& jobs) {
   add(router, jobs, "/v1/jobs/{id}/radiosity.npy", artefact_at("radiosity.npy"));
   add(router, jobs, "/v1/jobs/{id}/patches.npz", artefact_at("patches.npz"));
   add(router, jobs, "/v1/jobs/{id}/manifest.json", artefact_at("manifest.json"));
+  add(router, jobs, "/v1/jobs/{id}/artefacts/{file}", named_artefact);
   add(router, jobs, "/v1/jobs/{id}/report.json", get_report);
   add(router, jobs, "/v1/jobs/{id}/log", get_log);
 }

@@ -24,9 +24,11 @@ void add_service_routes(Router& router);
 /// end.
 using ReadBody = std::function<bool(const std::function<bool(std::string_view bytes)>& take)>;
 
-/// POST /v1/jobs, operationId submitJob. Not a route of the router, because its body streams.
-HttpAnswer submit_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
-                      const DataFolder& folder, const UploadLimits& limits);
+/// POST /v1/jobs and /v1/validate, operationIds submitJob and validateJob. No routes of the router, because
+/// their body streams.
+inline constexpr std::string_view kSubmitPath = "/v1/jobs", kValidatePath = "/v1/validate";
+HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
+                    const DataFolder& folder, const UploadLimits& limits);
 
 /// Refusals that need no body: not multipart (415), too large by its own word (413), no room for it (507).
 std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const DataFolder& folder,

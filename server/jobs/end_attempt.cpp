@@ -40,8 +40,18 @@ api::Status JobService::end_attempt(const Lease& lease, const AttemptOutcome& ou
   return settle(*again, lease, outcome);
 }
 
+// Before the step that ends the job: a crash in between costs work done twice, and not a file that stays for
+// good.
+void JobService::forget_checkpoint(const Job& job) const {
+  const api::Status removed = remove_tree(folder_.job(job.id) / "checkpoint");
+  if (!removed) log_line(job.id + ": " + removed.error().message);
+}
+
 api::Status JobService::settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
-  if (job.state == JobState::cancel_requested) return store_.finish_cancel(lease, outcome.end);
+  if (job.state == JobState::cancel_requested) {
+    forget_checkpoint(job);
+    return store_.finish_cancel(lease, outcome.end);
+  }
   const StepReason why{outcome.reason, with_log(outcome)};
   switch (outcome.kind) {
     case OutcomeKind::done:
@@ -50,6 +60,7 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
     case OutcomeKind::limit_exceeded: {
       const api::JobReport report = read_report(folder_.job(job.id));
       const std::string message = report.message.empty() ? why.message : report.message;
+      forget_checkpoint(job);
       return store_.fail(lease, {outcome.reason, message}, outcome.end, api::job_report_json(report));
     }
     case OutcomeKind::disk_full:
@@ -65,6 +76,7 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
 api::Status JobService::succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
   const std::filesystem::path folder = folder_.job(job.id);
   const auto results = collect_results(folder, job.frame_count);
+  if (results) forget_checkpoint(job);
   api::Status kept = results ? store_.succeed(lease, *results, api::job_report_json(read_report(folder)))
                              : api::Status(results.error());
   if (kept) return kept;
@@ -83,7 +95,8 @@ api::Status JobService::wait_for_room_or_fail(const Job& job, const Lease& lease
                                               const AttemptOutcome& outcome) {
   const auto earlier = store_.count_attempts(lease.job_seq, outcome.reason);
   if (!earlier) return earlier.error();
-  // What it has written is part of what fills the disk; nothing of it is used again.
+  // What it has written is part of what fills the disk, so what could be used again goes too.
+  forget_checkpoint(job);
   const api::Status removed = remove_tree(folder_.job(job.id) / "artefacts");
   if (!removed) log_line(job.id + ": " + removed.error().message);
   const std::string message = with_log(outcome);
@@ -101,6 +114,7 @@ api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, co
   const StepReason why{outcome.reason, with_log(outcome)};
   if (job.attempts_without_progress < rules_.attempts_without_progress_max)
     return store_.requeue(lease, why, outcome.end, true);
+  forget_checkpoint(job);
   const api::JobReport report = read_report(folder_.job(job.id));
   const StepReason final{outcome.reason,
                          "given up after " + std::to_string(job.attempt) + " attempts: " + why.message};
@@ -108,16 +122,21 @@ api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, co
 }
 
 api::Status JobService::take_up_again(const Orphan& orphan) {
-  if (orphan.job.state == JobState::cancel_requested) return store_.finish_cancel(orphan.lease, {});
+  if (orphan.job.state == JobState::cancel_requested) {
+    forget_checkpoint(orphan.job);
+    return store_.finish_cancel(orphan.lease, {});
+  }
   // No attempt of three: most likely the server's end says nothing about the job, which runs in a process of
   // its own. But a job that takes the machine down must not do so for ever.
   const auto earlier = store_.count_attempts(orphan.lease.job_seq, kServerRestarted);
   if (!earlier) return earlier.error();
   const std::string why = "the server ended while the job was running";
-  if (*earlier + 1 >= rules_.orphaned_attempts_max)
+  if (*earlier + 1 >= rules_.orphaned_attempts_max) {
+    forget_checkpoint(orphan.job);
     return store_.fail(
         orphan.lease,
         {kServerRestarted, "given up after " + std::to_string(*earlier + 1) + " attempts: " + why}, {}, {});
+  }
   return store_.requeue(orphan.lease, {kServerRestarted, why}, {}, false);
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/artefacts/files.h"
+#include "server/jobs/collect_results.h"
 #include "server/log.h"
 
 namespace server {
@@ -29,6 +30,18 @@ api::Result<Job> JobService::submit(const Upload& upload) {
   if (!job) return job;
   rules_.work_arrived();
   return job;
+}
+
+api::Result<api::JobReport> JobService::validate(const Upload& upload) {
+  const auto validated = [&]() -> api::Result<api::JobReport> {
+    if (const auto row = read_request(upload); !row) return row.error();
+    const std::filesystem::path folder = folder_.upload(upload.id);
+    if (const api::Status fine = rules_.check(folder); !fine) return fine.error();
+    return read_report(folder);
+  };
+  auto report = validated();
+  discard(upload);
+  return report;
 }
 
 void JobService::discard(const Upload& upload) const {
@@ -104,6 +117,7 @@ api::Result<JobPage> JobService::list(std::optional<JobState> state, std::option
 api::Result<Job> JobService::cancel(std::string_view id) {
   auto job = store_.cancel(id);
   if (job && job->state == JobState::cancel_requested) rules_.cancel_requested();
+  if (job && job->state == JobState::canceled) forget_checkpoint(*job);
   return job;
 }
 

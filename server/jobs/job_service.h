@@ -24,8 +24,8 @@ struct Upload {
   std::vector<InputFile> inputs;
 };
 
-/// Looks at the files of a job folder without running it. Errors: invalid_request with violations where the
-/// job is wrong.
+/// Looks at the files of a job folder without running it, and leaves report.json there. Errors:
+/// invalid_request with violations where the job is wrong.
 using CheckJob = std::function<api::Status(const std::filesystem::path& job_folder)>;
 
 struct JobRules {
@@ -56,6 +56,9 @@ class JobService {
   /// error nothing of it is left on disk. Errors: invalid_request (violations), out_of_resources (queue
   /// full), disk_full, internal.
   api::Result<Job> submit(const Upload& upload);
+  /// Checks the upload as submit does, and answers what the check found: warnings and the forecast. Nothing
+  /// of it is left on disk. Errors: those of submit, but for the queue.
+  api::Result<api::JobReport> validate(const Upload& upload);
   /// Forgets an upload that did not become a job.
   void discard(const Upload& upload) const;
 
@@ -101,6 +104,7 @@ class JobService {
   api::Result<NewJob> read_request(const Upload& upload) const;
   api::Result<NewJob> check(const Upload& upload) const;
   api::Result<Job> keep(const Upload& upload, const NewJob& row);
+  void forget_checkpoint(const Job& job) const;
   api::Status settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status wait_for_room_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome);

@@ -41,7 +41,7 @@ api::Result<std::optional<Claim>> JobStore::claim() {
       "UPDATE job SET attempt = attempt + 1, attempts_without_progress = attempts_without_progress + 1, "
       "lease = lease + 1, started_ms = coalesce(started_ms, ?), stage = NULL, stage_fraction = 0, fraction = "
       "0, "
-      "progress_message = '' WHERE seq = ?");
+      "progress_message = '', seconds_left = NULL WHERE seq = ?");
   if (const api::Status done = lease.bind(now).bind(seq).run(); !done) return done.error();
   Statement attempt = database_.prepare(
       "INSERT INTO attempt(job_seq, number, lease, started_ms) SELECT seq, attempt, lease, ? FROM job "
@@ -71,10 +71,12 @@ api::Result<JobState> JobStore::record_progress(const Lease& lease, const api::P
   const std::lock_guard lock(mutex_);
   Statement update = database_.prepare(
       "UPDATE job SET stage = ?, stage_fraction = ?, fraction = max(fraction, ?), progress_message = ?, "
+      "seconds_left = ?, "
       "attempts_without_progress = CASE WHEN attempt > 1 AND ? >= best_fraction + ? THEN 0 "
       "ELSE attempts_without_progress END, updated_ms = ?, version = version + 1 "
       "WHERE seq = ? AND lease = ? AND state IN ('running', 'cancel_requested') RETURNING state");
   update.bind(api::name_of(line.stage)).bind(line.stage_fraction).bind(line.fraction).bind(line.message);
+  update.bind_optional(line.seconds_left);
   update.bind(line.fraction).bind(kProgressStep).bind(clock_()).bind(lease.job_seq).bind(lease.token);
   const std::string state = update.next() ? update.text(0) : "";
   if (const api::Status done = update.run(); !done) return done.error();
@@ -117,8 +119,8 @@ api::Status JobStore::leave_running(const Lease& lease, const Step& wanted, cons
   const std::string_view outcome = wanted.why.reason.empty() ? api::name_of(wanted.to) : wanted.why.reason;
   if (api::Status ended = end_attempt(lease, outcome, end); !ended) return ended;
   Statement keep = database_.prepare(
-      "UPDATE job SET best_fraction = max(best_fraction, fraction), report = coalesce(?, report) WHERE seq = "
-      "?");
+      "UPDATE job SET best_fraction = max(best_fraction, fraction), seconds_left = NULL, "
+      "report = coalesce(?, report) WHERE seq = ?");
   if (report_json.empty())
     keep.bind_null();
   else
@@ -162,7 +164,8 @@ api::Status JobStore::requeue(const Lease& lease, const StepReason& why, const A
   if (api::Status left = leave_running(lease, wanted, end, {}); !left) return left;
   Statement wait = database_.prepare(
       "UPDATE job SET not_before_ms = ?, attempts_without_progress = max(0, attempts_without_progress - ?), "
-      "stage = NULL, stage_fraction = 0, fraction = 0, progress_message = '' WHERE seq = ?");
+      "stage = NULL, stage_fraction = 0, fraction = 0, progress_message = '', seconds_left = NULL WHERE seq "
+      "= ?");
   wait.bind(not_before_ms).bind(std::int64_t{counted ? 0 : 1}).bind(lease.job_seq);
   if (api::Status done = wait.run(); !done) return done;
   return transaction.commit();

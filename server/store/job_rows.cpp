@@ -55,7 +55,8 @@ std::optional<api::FrameKind> frame_kind_named(std::string_view name) {
 std::string select_jobs(Reports reports) {
   const std::string report = reports == Reports::read ? "coalesce(report, '')" : "''";
   return "SELECT seq, id, name, state, reason, message, frame_count, fps, stage, stage_fraction, fraction, "
-         "attempt, attempts_without_progress, key_frame_count, solved_frame_count, report IS NOT NULL, " +
+         "seconds_left, attempt, attempts_without_progress, key_frame_count, solved_frame_count, report IS "
+         "NOT NULL, " +
          report + ", version, created_ms, updated_ms, started_ms, finished_ms FROM job ";
 }
 
@@ -74,6 +75,7 @@ Job read_job(const Statement& row) {
   job.stage = api::stage_named(row.text(column++));
   job.stage_fraction = row.real(column++);
   job.fraction = row.real(column++);
+  job.seconds_left = row.optional_real(column++);
   job.attempt = static_cast<std::uint32_t>(row.integer(column++));
   job.attempts_without_progress = static_cast<std::uint32_t>(row.integer(column++));
   if (const auto count = row.optional_integer(column++))

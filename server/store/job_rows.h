@@ -40,6 +40,7 @@ struct Job {
   std::optional<api::Stage> stage;
   double stage_fraction = 0;
   double fraction = 0;
+  std::optional<double> seconds_left;  ///< expected by the worker; none: not known, or no worker is at it
   std::uint32_t attempt = 0;
   std::uint32_t attempts_without_progress = 0;
   std::optional<std::uint32_t> key_frame_count;     ///< of kind key; none before the job has succeeded

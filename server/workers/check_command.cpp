@@ -7,7 +7,9 @@
 
 #include <array>
 #include <semaphore>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "api/exit_code.h"
 #include "server/jobs/collect_results.h"
@@ -72,9 +74,13 @@ api::Status verdict(const std::filesystem::path& folder, const ProcessEnd& end, 
 }
 
 api::Status run_check(const CheckRules& rules, const std::filesystem::path& folder) {
-  auto worker = ChildProcess::start(
-      rules.program, {"check", folder.string(), "--memory-mb", std::to_string(rules.memory_mb), "--seconds",
-                      std::to_string(rules.processor_seconds), "--parent", std::to_string(getpid())});
+  std::vector<std::string> arguments{"check",       folder.string(),
+                                     "--memory-mb", std::to_string(rules.memory_mb),
+                                     "--seconds",   std::to_string(rules.processor_seconds),
+                                     "--parent",    std::to_string(getpid())};
+  if (rules.render_threads > 0)
+    arguments.insert(arguments.end(), {"--threads", std::to_string(rules.render_threads)});
+  auto worker = ChildProcess::start(rules.program, arguments);
   if (!worker) return worker.error();
   WorkerLog log(folder, "check");
   const bool in_time = wait_for(*worker, log, rules.time_max);

@@ -15,6 +15,7 @@ struct CheckRules {
   std::filesystem::path program;   ///< the worker executable
   std::uint64_t memory_mb = 2048;  ///< of private memory, kept by the worker itself
   std::uint64_t processor_seconds = 60;
+  unsigned render_threads = 0;                 ///< that the forecast is for; 0: all cores
   std::chrono::milliseconds time_max{90'000};  ///< wall clock; killed after it
   std::ptrdiff_t at_once = 2;                  ///< further checks wait
 };
