@@ -60,7 +60,7 @@ constexpr std::array kCosts{
 constexpr double kRgbBytes = 12;
 
 /// The program itself, its libraries and thread stacks.
-constexpr double kProgramBytes = 60e6;
+constexpr double kProgramBytes = 125e6;
 
 double series_bytes(double patches, double frames) {
   return kRgbBytes * patches * frames;
