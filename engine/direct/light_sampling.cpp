@@ -1,20 +1,25 @@
 #include "engine/direct/light_sampling.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
+#include "engine/base/sobol.h"
 #include "engine/direct/form_factor.h"
 
 namespace engine {
 namespace {
 
-/// Beyond this many diameters a piece of a light is sampled uniformly by area: the contribution of its points
-/// differs by less than a quarter. At half of it a furnace is .05 % too dark.
-constexpr float kFarDiameters = 5.0f;
+/// Beyond this many diameters a piece of a light is halved no more: what its points contribute differs by a
+/// factor of 4 at most, and drawing again until one is accepted takes fewer than 2 draws in the mean.
+constexpr float kFarDiameters = 3.0f;
 
 /// Halvings of a light: bounds the work where a point almost touches it.
 constexpr int kHalvingsMax = 16;
+
+/// Draws on a piece; the last one is taken as it is.
+constexpr int kDrawsMax = 16;
 
 /// A light or a piece of it.
 struct Piece {
@@ -60,12 +65,51 @@ struct Piece {
             {origin + half, is_triangle ? edge_u - half : edge_u, half, is_triangle}};
   }
 
+  /// Far for its size, and above the horizon.
   bool is_far(Vec3 point, Vec3 normal) const {
     const float diameter = diameter_m(), far = kFarDiameters * diameter;
     const Vec3 apart = middle() - point;
-    return dot(apart, apart) > far * far && dot(normal, apart) > diameter;
+    return dot(apart, apart) > far * far && dot(normal, apart) > 0.5f * diameter;
   }
 };
+
+/// A number in [0, 1) from the upper bits of `bits`.
+float unit_float(std::uint64_t bits) {
+  return static_cast<float>(bits >> 40) * 0x1p-24f;
+}
+
+/// Of a point of a plane light as seen from a receiver's: cos cos / r^2 but for a factor that all its points
+/// share.
+struct Contribution {
+  Vec3 point, normal;
+  float operator()(Vec3 on_light) const {
+    const Vec3 apart = on_light - point;
+    const float squared = dot(apart, apart);
+    return std::max(0.0f, dot(normal, apart)) / (squared * squared);
+  }
+  /// No point of the piece contributes more.
+  float bound(const Piece& piece, float over_light) const {
+    const Vec3 apart = piece.middle() - point;
+    const float radius = (piece.is_triangle ? 0.67f : 0.5f) * piece.diameter_m();
+    const float height = dot(normal, apart) + radius;
+    const float near = std::max(over_light, length(apart) - radius);
+    return height / (near * near * near * near);
+  }
+};
+
+/// A point of the piece with a density in proportion to its contribution (rejection).
+Vec3 point_of(const Piece& piece, const Contribution& contribution, float bound, float a, float b, float c) {
+  std::uint64_t random =
+      mix(std::bit_cast<std::uint32_t>(a) ^ (std::uint64_t{std::bit_cast<std::uint32_t>(b)} << 32) ^
+          (std::uint64_t{std::bit_cast<std::uint32_t>(c)} * 0x9e3779b97f4a7c15ull));
+  for (int draw = 1;; ++draw) {
+    const Vec3 at = piece.at(a, b);
+    if (draw == kDrawsMax || unit_float(random) * bound < contribution(at)) return at;
+    a = unit_float(mix(random + 1));
+    b = unit_float(mix(random + 2));
+    random = mix(random + 3);
+  }
+}
 
 }  // namespace
 
@@ -102,7 +146,9 @@ Vec3 sample_light(const PlacedLight& light, Vec3 point, Vec3 normal, float a, fl
     whole = is_first ? of_first : whole - of_first;
     piece = is_first ? first : second;
   }
-  return piece.at(a, b);
+  const Contribution contribution{point, normal};
+  const float over_light = std::abs(dot(light.placed.normal, point - light.placed.origin));
+  return point_of(piece, contribution, contribution.bound(piece, over_light), a, b, c);
 }
 
 }  // namespace engine

@@ -7,73 +7,27 @@
 #include <cmath>
 
 #include "engine/base/parallel.h"
-#include "engine/direct/form_factor.h"
+#include "tests/unit/engine/direct/penumbra.h"
 #include "tests/unit/engine/moving_room.h"
 
 namespace engine {
 namespace {
 
+using tests::add_blocker;
 using tests::add_polygon;
+using tests::floor_and_light;
+using tests::kExitance;
+using tests::kFloor;
+using tests::lit_from_above;
+using tests::mean_visible_factor;
 using tests::moved_to;
 using tests::World;
-
-constexpr PatchId kFloor = 0;
-constexpr Rgb kExitance{10, 5, 1};
-constexpr float kHalf = 0.5f, kHeight = 2, kFloorHalf = 0.25f;
-
-/// Object 0: a floor patch of 0.5 m that faces up, lit by a light of 1 m, 2 m above it, that faces down
-/// (material 1). Object 1: whatever the tests put between them; it rests unless they move it.
-Scene floor_and_light(bool both_sides = false) {
-  Scene scene = tests::scene_with(2, 2, both_sides);
-  add_polygon(scene, {{-kFloorHalf, -kFloorHalf, 0},
-                      {kFloorHalf, -kFloorHalf, 0},
-                      {kFloorHalf, kFloorHalf, 0},
-                      {-kFloorHalf, kFloorHalf, 0}});
-  add_polygon(scene,
-              {{-kHalf, kHalf, kHeight},
-               {kHalf, kHalf, kHeight},
-               {kHalf, -kHalf, kHeight},
-               {-kHalf, -kHalf, kHeight}},
-              0, 1);
-  return scene;
-}
-
-Animation lit_from_above(const Scene& scene, FrameIndex frames) {
-  Animation animation = tests::still(scene, frames);
-  animation.emission.exitance_w_m2[1] = {kExitance};
-  return animation;
-}
-
-/// A sheet at half the height, from x = low to beyond everything.
-void add_blocker(Scene& scene, float low, std::uint32_t object = 1) {
-  add_polygon(scene, {{low, -9, 1}, {9, -9, 1}, {9, 9, 1}, {low, 9, 1}}, object);
-}
 
 PatchSeries light_up(const World& world, std::vector<FrameIndex> frames, DirectOptions options = {}) {
   auto direct = direct_light(world.patches, world.animation, world.animation.emission, world.static_rays,
                              frames, options, Progress{});
   EXPECT_TRUE(direct);
   return std::move(direct->irradiance_w_m2);
-}
-
-/// What of the light a point sees past a blocker whose edge is at x = low: its form factor.
-double visible_factor(Vec3 point, float low) {
-  const float cut = std::clamp(2 * low - point.x, -kHalf, kHalf);  // the edge's shadow on the light's plane
-  const std::array<Vec3, 4> rest{
-      Vec3{-kHalf, kHalf, kHeight}, {cut, kHalf, kHeight}, {cut, -kHalf, kHeight}, {-kHalf, -kHalf, kHeight}};
-  return cut > -kHalf ? point_to_polygon_form_factor(point, {0, 0, 1}, rest) : 0;
-}
-
-/// Mean over the floor patch, by the midpoint rule.
-double mean_visible_factor(float low) {
-  constexpr int kSteps = 100;
-  double sum = 0;
-  for (int i = 0; i < kSteps; ++i)
-    for (int j = 0; j < kSteps; ++j) {
-      const auto at = [](int k) { return kFloorHalf * (2 * (static_cast<float>(k) + 0.5f) / kSteps - 1); };
-      sum += visible_factor({at(i), at(j), 0}, low);
-    }
-  return sum / (kSteps * kSteps);
 }
 
 // F varies by less than 10 % over the patch: a standard deviation below 0.05 F, 64 samples, 5 standard
@@ -87,37 +41,6 @@ TEST(DirectLight, AnUnblockedLightGivesExitanceTimesFormFactor) {
   EXPECT_NEAR(lit.r, kExitance.r * factor, 5 * 0.05 * kExitance.r * factor / 8);
   EXPECT_FLOAT_EQ(lit.g, lit.r / 2);
   EXPECT_FLOAT_EQ(lit.b, lit.r / 10);
-}
-
-struct MeanAndError {
-  double mean = 0, error = 0;
-};
-
-/// Of 64 seeds.
-MeanAndError over_seeds(const World& world, std::uint32_t samples) {
-  constexpr int kSeeds = 64;
-  double sum = 0, squares = 0;
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const double lit = light_up(world, {0}, {samples, 1, seed}).at(kFloor, 0).r;
-    sum += lit;
-    squares += lit * lit;
-  }
-  const double mean = sum / kSeeds;
-  return {mean, std::sqrt((squares / kSeeds - mean * mean) / (kSeeds - 1))};
-}
-
-// Five standard errors, and the few per cent of what is hidden that sampling near lights may be off by: two.
-TEST(DirectLight, ABlockerTakesAwayWhatItHides) {
-  for (const float low : {-0.2f, 0.0f, 0.15f}) {
-    Scene scene = floor_and_light();
-    add_blocker(scene, low);
-    const World world(scene, lit_from_above(scene, 1), 10);
-    const MeanAndError lit = over_seeds(world, 128);
-    const double expected = kExitance.r * mean_visible_factor(low);
-    const double hidden = kExitance.r * mean_visible_factor(9) - expected;
-    EXPECT_LT(lit.error, 0.01 * (expected + hidden)) << "too noisy to mean anything";
-    EXPECT_NEAR(lit.mean, expected, 5 * lit.error + 0.02 * hidden) << low;
-  }
 }
 
 TEST(DirectLight, BehindAFullBlockerItIsExactlyDark) {
