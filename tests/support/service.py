@@ -104,11 +104,11 @@ class Service:
     def get(self, path, *arguments):
         return curl(self.url + path, *arguments)
 
-    def submit(self, job):
+    def submit(self, job, path="/v1/jobs"):
         """`job`: a folder with scene.obj, one MTL or more, animation.json -> Answer"""
         fields = [f"scene=@{job / 'scene.obj'}", f"animation=@{job / 'animation.json'}"]
         fields += [f"materials=@{path}" for path in sorted(job.glob("*.mtl"))]
-        return curl(self.url + "/v1/jobs", *(word for field in fields for word in ("-F", field)))
+        return curl(self.url + path, *(word for field in fields for word in ("-F", field)))
 
     def job(self, job_id):
         return self.get(f"/v1/jobs/{job_id}").json()
