@@ -45,6 +45,7 @@ struct Sequence {
   const Progress& progress;
   ShadedScene stage;
   DisplayTable display;
+  Uncovered uncovered;
   std::unique_ptr<StaticView> static_view = nullptr;
 };
 
@@ -126,8 +127,16 @@ bool values_of_nodes(const Sequence& sequence, const PatchSeries& radiosity_w_m2
                      std::span<std::vector<Rgb>> values) {
   const ShadedScene& stage = sequence.stage;
   const auto& stop = sequence.progress.stop_requested;
-  if (stage.textures) return textured_node_values(*stage.textures, radiosity_w_m2, first, stop, values);
-  return node_radiosity(stage.mesh, stage.patches, radiosity_w_m2, first, stop, values);
+  if (stage.textures)
+    return textured_node_values(*stage.textures, sequence.uncovered, radiosity_w_m2, first, stop, values);
+  if (!node_radiosity(stage.mesh, stage.patches, radiosity_w_m2, first, stop, values)) return false;
+  show_uncovered(
+      sequence.uncovered, stage.mesh, stage.patches, radiosity_w_m2, first,
+      [](PatchId) {
+        return Rgb{1, 1, 1};
+      },
+      values);
+  return true;
 }
 
 /// Renders and writes all frames that are not `finished`, some at a time: their node values are computed
@@ -190,7 +199,8 @@ api::Result<std::vector<std::string>> render_images(const Scene& scene, const Pa
                     folder,
                     progress,
                     {patches, mesh, static_rays, textures.get()},
-                    DisplayTable(options.tone_map, factor)};
+                    DisplayTable(options.tone_map, factor),
+                    find_uncovered(patches, animation, static_rays, mesh)};
   if (animation.frame_count > 1 && stands_still(sequence.poses))
     sequence.static_view =
         see_static(sequence.stage, pinhole_camera(sequence.poses[0], options.width, options.height),

@@ -20,14 +20,16 @@ Rgb at_least(Rgb a, float low) {
   return {std::max(a.r, low), std::max(a.g, low), std::max(a.b, low)};
 }
 
-/// w of the patches that show a texture, zero elsewhere; of one frame.
+/// w of a patch that shows a texture, one elsewhere.
+Rgb weight_of(const TexturedView& view, PatchId patch) {
+  if (!view.is_textured(view.patches.facet_of[patch])) return {1, 1, 1};
+  const Rgb rho = view.patches.texture_reflectance[patch];
+  return divided(rho, at_least(rho, kFullWeight));
+}
+
 PatchSeries weights(const TexturedView& view) {
   PatchSeries series(view.patches.count(), 1);
-  for (PatchId patch = 0; patch < series.patch_count; ++patch)
-    if (view.is_textured(view.patches.facet_of[patch])) {
-      const Rgb rho = view.patches.texture_reflectance[patch];
-      series.at(patch, 0) = divided(rho, at_least(rho, kFullWeight));
-    }
+  for (PatchId patch = 0; patch < series.patch_count; ++patch) series.at(patch, 0) = weight_of(view, patch);
   return series;
 }
 
@@ -102,8 +104,9 @@ std::unique_ptr<TexturedView> make_textured_view(const Scene& scene, const Anima
   return view;
 }
 
-bool textured_node_values(const TexturedView& view, const PatchSeries& radiosity_w_m2,
-                          std::uint32_t first_frame, const std::function<bool()>& stop_requested,
+bool textured_node_values(const TexturedView& view, const Uncovered& uncovered,
+                          const PatchSeries& radiosity_w_m2, std::uint32_t first_frame,
+                          const std::function<bool()>& stop_requested,
                           std::span<std::vector<Rgb>> values_w_m2) {
   const auto count = static_cast<std::uint32_t>(values_w_m2.size());
   const PatchSeries block = weighted_irradiance(view, radiosity_w_m2, first_frame, count);
@@ -115,6 +118,12 @@ bool textured_node_values(const TexturedView& view, const PatchSeries& radiosity
       if (const Rgb w = view.weight[node]; view.shows_irradiance[node])
         values[node] = {irradiance(values[node].r, w.r), irradiance(values[node].g, w.g),
                         irradiance(values[node].b, w.b)};
+  }
+  show_uncovered(
+      uncovered, view.mesh, view.patches, block, 0, [&](PatchId patch) { return weight_of(view, patch); },
+      values_w_m2);
+  for (std::uint32_t f = 0; f < count; ++f) {
+    std::vector<Rgb>& values = values_w_m2[f];
     const auto& exitance = view.animation.emission.exitance_w_m2;
     for (std::uint32_t material = 0; material < exitance.size(); ++material)
       values.push_back(view.animation.emission.exitance(material, first_frame + f));

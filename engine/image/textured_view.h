@@ -11,6 +11,7 @@
 #include "engine/animation/animation.h"
 #include "engine/image/camera.h"
 #include "engine/image/shading_mesh.h"
+#include "engine/image/uncovered.h"
 #include "engine/patches/texture_reflectance.h"
 
 namespace engine {
@@ -51,11 +52,12 @@ struct TexturedView {
 std::unique_ptr<TexturedView> make_textured_view(const Scene& scene, const Animation& animation,
                                                  const Patches& patches, const ShadingMesh& mesh);
 
-/// As node_radiosity(), but H where nodes show irradiance, and after the nodes' values the exitance of each
-/// material, so that each values[k] has the size node_count + number of materials.  [W/m^2]
-/// radiosity_w_m2: of everything that `animation` lets emit.
-bool textured_node_values(const TexturedView& view, const PatchSeries& radiosity_w_m2,
-                          std::uint32_t first_frame, const std::function<bool()>& stop_requested,
+/// As node_radiosity() and, with `uncovered`, show_uncovered(), but H where nodes show irradiance, and after
+/// the nodes' values the exitance of each material, so that each values[k] has the size node_count + number
+/// of materials.  [W/m^2] radiosity_w_m2: of everything that `animation` lets emit.
+bool textured_node_values(const TexturedView& view, const Uncovered& uncovered,
+                          const PatchSeries& radiosity_w_m2, std::uint32_t first_frame,
+                          const std::function<bool()>& stop_requested,
                           std::span<std::vector<Rgb>> values_w_m2);
 
 /// What a sample of the picture meets.
