@@ -26,7 +26,7 @@ struct AJob {
     request.frame_count = 2;
     request.lighting.patch_edge_m = 0.5;
   }
-  api::Status check() { return check_job(request, folder.path(), report); }
+  api::Status check() { return check_job(request, folder.path(), 1, report); }
   api::Status run() { return run_pipeline(request, folder.path(), folder.path(), {}, report); }
 };
 

@@ -75,6 +75,82 @@ TEST(StageClock, StagesThatAreLeftOutCountAsDone) {
   EXPECT_EQ(with.lines.back().fraction, without.lines.back().fraction);
 }
 
+/// Solving and nothing else to speak of. So long that a test that is held up for a second sees no difference.
+constexpr StageSeconds kThousandSeconds{0, 0, 0, 0, 0, 1000, 0, 0, 1e-3};
+
+TEST(StageClock, WithoutAForecastNoTimeLeftIsTold) {
+  Listener run;
+  run.clock->begin(Stage::scene).report(0.5);
+  EXPECT_FALSE(run.lines.back().seconds_left);
+}
+
+TEST(StageClock, AtFirstTheForecastIsBelieved) {
+  Listener run;
+  run.clock->begin(Stage::scene);
+  run.clock->expect(kThousandSeconds);
+  run.clock->begin(Stage::solve);
+  ASSERT_TRUE(run.lines.back().seconds_left);
+  EXPECT_NEAR(*run.lines.back().seconds_left, 1000, 50);
+}
+
+TEST(StageClock, SharesOfTheJobAreThoseOfTheExpectedWork) {
+  Listener run;
+  run.clock->begin(Stage::scene);
+  run.clock->expect({0, 0, 3, 0, 0, 6, 0, 0, 1});
+  run.clock->begin(Stage::estimate).report(1);
+  const double before = run.lines.front().fraction;
+  EXPECT_NEAR(run.lines.back().fraction, before + 0.3 * (1 - before), 0.01);
+  run.clock->begin(Stage::solve).report(0.5);
+  EXPECT_NEAR(run.lines.back().fraction, before + 0.6 * (1 - before), 0.01);
+  run.clock->begin(Stage::publish).report(1);
+  EXPECT_EQ(run.lines.back().fraction, 1);
+  EXPECT_EQ(run.lines.back().seconds_left, 0);
+  run.expect_never_fell();
+}
+
+// Half of what was expected to take 1000 s is done in 0.1 s.
+TEST(StageClock, TheTimeLeftFollowsTheMeasuredPace) {
+  Listener run;
+  run.clock->begin(Stage::scene);
+  run.clock->expect(kThousandSeconds);
+  const Progress& progress = run.clock->begin(Stage::solve);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  progress.report(0.5);
+  ASSERT_TRUE(run.lines.back().seconds_left);
+  // 500 (0.1 + 50) / (500 + 50) s = 45.5 s: a twentieth of what was expected is believed on.
+  EXPECT_NEAR(*run.lines.back().seconds_left, 45.5, 3);
+}
+
+TEST(StageClock, WhatAnEarlierAttemptDidIsProgressAndNoMeasureOfPace) {
+  Listener run;
+  run.clock->begin(Stage::scene);
+  run.clock->expect(kThousandSeconds);
+  run.clock->begin(Stage::solve);
+  run.clock->go_on_from(0.8, "goes on");
+  EXPECT_EQ(run.lines.back().stage_fraction, 0.8);
+  EXPECT_EQ(run.lines.back().message, "goes on");
+  EXPECT_GT(run.lines.back().fraction, 0.75);
+  ASSERT_TRUE(run.lines.back().seconds_left);
+  EXPECT_NEAR(*run.lines.back().seconds_left, 200, 10) << "a fifth, at the pace expected";
+}
+
+TEST(StageClock, MoreFramesThanExpectedMakeTheTimeLeftLongerAndTheFractionDoesNotFall) {
+  Listener run;
+  run.clock->begin(Stage::scene);
+  run.clock->expect({0, 0, 5, 0, 0, 10, 0, 0, 1e-3});
+  run.clock->ask([](std::uint32_t frames) { return StageSeconds{0, 0, 5, 0, 0, 1.0 * frames, 0, 0, 1e-3}; });
+  run.clock->begin(Stage::estimate).report(1);
+  const double before = run.lines.back().fraction;
+  run.clock->frames_to_solve(40);
+  const Progress& progress = run.clock->begin(Stage::solve);
+  EXPECT_NEAR(run.lines.back().fraction, before, 0.01);
+  progress.report(0.5);
+  EXPECT_NEAR(run.lines.back().fraction, (1 + before) / 2, 0.01);
+  run.clock->begin(Stage::publish).report(1);
+  EXPECT_EQ(run.lines.back().fraction, 1);
+  run.expect_never_fell();
+}
+
 TEST(StageClock, SecondsOfEachStageAreReportedInOrder) {
   Listener run;
   run.clock->begin(Stage::scene);
