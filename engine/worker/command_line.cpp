@@ -111,6 +111,37 @@ api::Result<Command> parse_check(std::span<const std::string_view> words) {
   return Command{command};
 }
 
+/// 2^53 - 1: what JSON carries without rounding.
+constexpr std::uint64_t kSeedMax = (std::uint64_t{1} << 53) - 1;
+
+/// `bench paper`. --quick alone among our options takes no value.
+api::Result<Command> parse_bench(std::span<const std::string_view> words) {
+  BenchCommand command;
+  if (words.empty() || words[0] != "paper") return usage_error("bench knows 'paper' only");
+  std::vector<std::string_view> others;
+  for (const std::string_view word : words.subspan(1)) {
+    if (word == "--quick")
+      command.options.quick = true;
+    else
+      others.push_back(word);
+  }
+  const auto split = split_words(others);
+  if (!split) return split.error();
+  for (const Word& word : *split) {
+    if (word.name == "--seed") {
+      if (const auto s = take_number(word, 0, kSeedMax, command.options.seed); !s) return s.error();
+    } else if (word.name == "--out" && !word.value.empty()) {
+      command.options.out_folder = word.value;
+    } else if (word.name == "--examples" && !word.value.empty()) {
+      command.options.examples_folder = word.value;
+    } else {
+      return usage_error("bench paper takes no '" + std::string(word.name.empty() ? word.value : word.name) +
+                         "'");
+    }
+  }
+  return Command{command};
+}
+
 }  // namespace
 
 api::Result<Command> parse_command_line(std::span<const std::string_view> words) {
@@ -122,12 +153,14 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
   if (words.empty()) return usage_error("say what to do");
   if (words[0] == "render") return parse_render(words.subspan(1));
   if (words[0] == "check") return parse_check(words.subspan(1));
+  if (words[0] == "bench") return parse_bench(words.subspan(1));
   return usage_error("unknown command '" + std::string(words[0]) + "'");
 }
 
 std::string usage_line() {
   return "usage: keylume render JOB_FOLDER [--threads N] [--parent PID]\n"
          "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID]\n"
+         "       keylume bench paper [--out FOLDER] [--seed N] [--quick] [--examples FOLDER]\n"
          "       keylume --help | --version\n";
 }
 
@@ -145,6 +178,13 @@ check    Reads the job, counts its patches and forecasts what a run takes; write
   --memory-mb N   at most N MiB of memory for the job (2048)
   --seconds N     at most N seconds of processor time (60)
   --parent PID    as for render
+
+bench    paper: runs the scenes of the paper that the method follows, prints its tables beside what comes
+         out, and leaves report.md, report.json and tables for plots. Takes many minutes.
+  --out FOLDER       where (keylume-bench)
+  --seed N           of all runs (1)
+  --quick            large patches and few lines: shows that it works, not how fast
+  --examples FOLDER  with garage, room and office (those of the checkout it was built from)
 
 Exit status
    0   render: every artefact is published; check: the job is sound

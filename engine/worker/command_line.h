@@ -1,4 +1,4 @@
-// What the user typed, checked: `keylume render|check JOB_FOLDER ...`.
+// What the user typed, checked: `keylume render|check JOB_FOLDER ...`, `keylume bench paper ...`.
 #pragma once
 
 #include <sys/types.h>
@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "api/result.h"
+#include "engine/bench/bench_paper.h"
 
 namespace engine {
 
@@ -34,10 +35,14 @@ struct CheckCommand {
   std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
 };
 
+struct BenchCommand {
+  BenchOptions options;
+};
+
 struct HelpCommand {};
 struct VersionCommand {};
 
-using Command = std::variant<RenderCommand, CheckCommand, HelpCommand, VersionCommand>;
+using Command = std::variant<RenderCommand, CheckCommand, BenchCommand, HelpCommand, VersionCommand>;
 
 /// `words` are argv without the program's name. Options may stand before or after the folder, as
 /// `--threads 2` or `--threads=2`; after `--` every word is a folder. Each option at most once.

@@ -33,8 +33,11 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline);
 /// Ends the process with limit_exceeded when the processor time is used up. Call from main, once.
 api::ExitCode check(const CheckCommand& command, const Checker& checker);
 
+/// As engine::bench_paper of this program. May throw.
+using Bench = std::function<api::Status(const BenchOptions&)>;
+
 /// The whole program: `words` are argv without the program's name.
 api::ExitCode run_worker(std::span<const std::string_view> words, const Pipeline& pipeline,
-                         const Checker& checker);
+                         const Checker& checker, const Bench& bench);
 
 }  // namespace engine

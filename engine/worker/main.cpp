@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/bench/bench_paper.h"
 #include "engine/pipeline/run_pipeline.h"
 #include "engine/worker/commands.h"
 #include "engine/worker/outcome.h"
@@ -11,7 +12,10 @@
 int main(int argc, char** argv) {
   try {
     const std::vector<std::string_view> words(argv + (argc > 0 ? 1 : 0), argv + argc);
-    return static_cast<int>(engine::run_worker(words, engine::run_pipeline, engine::check_job));
+    const engine::Bench bench = [](const engine::BenchOptions& options) {
+      return engine::bench_paper(options, engine::this_program());
+    };
+    return static_cast<int>(engine::run_worker(words, engine::run_pipeline, engine::check_job, bench));
   } catch (const std::bad_alloc&) {
     engine::tell("out of memory");
     return static_cast<int>(api::ExitCode::limit_exceeded);

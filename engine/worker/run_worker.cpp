@@ -14,6 +14,12 @@ api::ExitCode print(const std::string& text) {
   return printed ? api::ExitCode::ok : api::ExitCode::internal;
 }
 
+api::ExitCode run_bench(const BenchOptions& options, const Bench& bench) {
+  const api::Status status = without_exceptions([&] { return bench(options); });
+  if (!status) tell(status.error().message);
+  return exit_code_of(status);
+}
+
 template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
@@ -24,7 +30,7 @@ Overloaded(Cases...) -> Overloaded<Cases...>;
 }  // namespace
 
 api::ExitCode run_worker(std::span<const std::string_view> words, const Pipeline& pipeline,
-                         const Checker& checker) {
+                         const Checker& checker, const Bench& bench) {
   const auto command = parse_command_line(words);
   if (!command) {
     tell(command.error().message);
@@ -35,6 +41,7 @@ api::ExitCode run_worker(std::span<const std::string_view> words, const Pipeline
   return std::visit(Overloaded{
                         [&](const RenderCommand& given) { return render(given, pipeline); },
                         [&](const CheckCommand& given) { return check(given, checker); },
+                        [&](const BenchCommand& given) { return run_bench(given.options, bench); },
                         [](const HelpCommand&) { return print(help_text()); },
                         [](const VersionCommand&) { return print("keylume " KEYLUME_VERSION "\n"); },
                     },

@@ -44,6 +44,25 @@ TEST(CommandLine, CheckTakesItsLimits) {
   EXPECT_EQ(std::get<CheckCommand>(*command).seconds, 9u);
 }
 
+TEST(CommandLine, BenchTakesItsOptionsAndQuickWithoutAValue) {
+  const auto command = parse({"bench", "paper", "--quick", "--out", "there", "--seed=7"});
+  ASSERT_TRUE(command) << command.error().message;
+  const auto& options = std::get<engine::BenchCommand>(*command).options;
+  EXPECT_TRUE(options.quick);
+  EXPECT_EQ(options.out_folder, "there");
+  EXPECT_EQ(options.seed, 7u);
+  EXPECT_EQ(options.examples_folder, "");
+}
+
+TEST(CommandLine, BenchRefusesWhatItDoesNotKnow) {
+  EXPECT_EQ(refusal({"bench"}), "bench knows 'paper' only");
+  EXPECT_EQ(refusal({"bench", "garage"}), "bench knows 'paper' only");
+  EXPECT_EQ(refusal({"bench", "paper", "job"}), "bench paper takes no 'job'");
+  EXPECT_EQ(refusal({"bench", "paper", "--slow", "1"}), "bench paper takes no '--slow'");
+  EXPECT_EQ(refusal({"bench", "paper", "--seed", "9007199254740992"}),
+            "--seed takes a whole number from 0 to 9007199254740991, not '9007199254740992'");
+}
+
 TEST(CommandLine, AfterTwoDashesEveryWordIsAFolder) {
   const auto command = parse({"check", "--", "--help"});
   ASSERT_TRUE(command);

@@ -92,5 +92,5 @@ int main(int argc, char** argv) {
     return behaviour->second({}, input.parent_path());
   };
   const std::vector<std::string_view> words(argv + 2, argv + argc);
-  return static_cast<int>(engine::run_worker(words, pipeline, checker));
+  return static_cast<int>(engine::run_worker(words, pipeline, checker, {}));
 }
