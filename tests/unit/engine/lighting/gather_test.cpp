@@ -21,10 +21,25 @@ TracedLines trace(const MovingRoom& room, std::uint64_t lines) {
   return *trace_lines(room.patches, room.animation, room.static_rays, frames, {lines, 1}, Progress{});
 }
 
-PatchSeries apply(const MovingRoom& room, const TracedLines& lines, const PatchSeries& radiosity) {
-  PatchSeries irradiance(room.patches.count(), lines.slot_count);
-  EXPECT_TRUE(SampledOperator(room.patches, lines).apply(radiosity, irradiance, Progress{}));
-  return irradiance;
+Columns every_slot(std::uint32_t slots) {
+  std::vector<std::uint32_t> all(slots);
+  std::iota(all.begin(), all.end(), 0u);
+  return {std::move(all), slots};
+}
+
+/// (T_s + M_f) b in the slots of `columns`, b with those columns.
+PatchSeries apply(const TracedLines& lines, const PatchSeries& b, const Columns& columns) {
+  const SampledOperator sampled(lines);
+  PatchSeries arriving(b.patch_count, columns.count());
+  EXPECT_TRUE(for_each_patch(b.patch_count, Progress{}, [&](PatchId patch) {
+    sampled.gather_at_rest(b, patch, arriving.row(patch));
+    sampled.add_moving(b, columns, patch, arriving.row(patch));
+  }));
+  return arriving;
+}
+
+PatchSeries apply(const TracedLines& lines, const PatchSeries& b) {
+  return apply(lines, b, every_slot(lines.slot_count));
 }
 
 PatchSeries random_series(std::uint32_t patches, std::uint32_t frames) {
@@ -41,7 +56,7 @@ TEST(SampledOperator, UniformRadiosityOfAClosedRoomArrivesUnchanged) {
   const TracedLines lines = trace(room, 20'000);
   PatchSeries glow(room.patches.count(), kFrames);
   for (Rgb& value : glow.values) value = {1, 0.25f, 8};
-  const PatchSeries arriving = apply(room, lines, glow);
+  const PatchSeries arriving = apply(lines, glow);
   int met = 0;
   for (PatchId patch = 0; patch < room.patches.count(); ++patch)
     for (std::uint32_t slot = 0; slot < kFrames; ++slot) {
@@ -59,7 +74,7 @@ TEST(SampledOperator, GathersWhatTheExchangesOfEachSlotSay) {
   const MovingRoom room(kFrames);
   const TracedLines lines = trace(room, 5'000);
   const PatchSeries radiosity = random_series(room.patches.count(), kFrames);
-  const PatchSeries arriving = apply(room, lines, radiosity);
+  const PatchSeries arriving = apply(lines, radiosity);
   for (PatchId patch = 0; patch < room.patches.count(); ++patch)
     for (std::uint32_t slot = 0; slot < kFrames; ++slot) {
       const std::uint32_t crossings = lines.crossings.at(patch, slot);
@@ -74,82 +89,22 @@ TEST(SampledOperator, GathersWhatTheExchangesOfEachSlotSay) {
     }
 }
 
-/// Rows that took a mean, and whose.
-struct FilledRows {
-  int by_polygon = 0, by_object = 0;
-};
-
-FilledRows expect_means_in_empty_rows(std::uint64_t line_count) {
-  const MovingRoom room(4, 0.2);
-  const TracedLines lines = trace(room, line_count);
-  const SampledOperator sampled(room.patches, lines);
-  const PatchSeries arriving = apply(room, lines, random_series(room.patches.count(), 4));
-  const auto mean_of = [&](const Facet& of, std::uint32_t slot, bool whole_object) {
-    double sum = 0, area = 0;
-    for (PatchId patch = 0; patch < room.patches.count(); ++patch) {
-      const Facet& facet = room.patches.facets[room.patches.facet_of[patch]];
-      if (whole_object ? facet.object != of.object : facet.polygon != of.polygon) continue;
-      if (lines.crossings.at(patch, slot) == 0) continue;
-      sum += double{arriving.at(patch, slot).b} * room.patches.area_m2[patch];
-      area += room.patches.area_m2[patch];
-    }
-    return area > 0 ? sum / area : -1;
-  };
-  FilledRows filled;
-  for (const auto& [patch, slot] : sampled.empty_rows()) {
-    EXPECT_EQ(lines.crossings.at(patch, slot), 0u);
-    const Facet& facet = room.patches.facets[room.patches.facet_of[patch]];
-    const double polygon = mean_of(facet, slot, false), object = mean_of(facet, slot, true);
-    (polygon >= 0 ? filled.by_polygon : filled.by_object) += 1;
-    EXPECT_NEAR(arriving.at(patch, slot).b, polygon >= 0 ? polygon : std::max(0.0, object), 1e-5);
-  }
-  return filled;
-}
-
-// Of about 1,000 patches 300 lines leave most rows empty, and 20 lines whole polygons.
-TEST(SampledOperator, EmptyRowsTakeTheMeanOfTheirPolygonElseOfTheirObject) {
-  EXPECT_GT(expect_means_in_empty_rows(300).by_polygon, 1000);
-  EXPECT_GT(expect_means_in_empty_rows(20).by_object, 100);
-}
-
-TEST(SampledOperator, AnObjectThatIsNotThereHasNoEmptyRowsAndReceivesNothing) {
-  const MovingRoom room(kFrames, 0.2);
-  const TracedLines lines = trace(room, 300);
-  const PatchSeries arriving = apply(room, lines, random_series(room.patches.count(), kFrames));
-  const auto is_gone = [&](PatchId patch, std::uint32_t slot) {
-    return room.patches.facets[room.patches.facet_of[patch]].object == 2 && slot != 2 && slot != 3 &&
-           slot != 7;
-  };
-  const SampledOperator sampled(room.patches, lines);
-  for (const auto& [patch, slot] : sampled.empty_rows())
-    ASSERT_FALSE(is_gone(patch, slot)) << patch << " " << slot;
-  for (PatchId patch = 0; patch < room.patches.count(); ++patch)
-    for (std::uint32_t slot = 0; slot < kFrames; ++slot) {
-      if (!is_gone(patch, slot)) continue;
-      ASSERT_EQ(arriving.at(patch, slot), Rgb{});
-    }
-}
-
 TEST(SampledOperator, OneThreadAndSeveralGiveTheSameBytes) {
   const MovingRoom room(kFrames);
   const TracedLines lines = trace(room, 10'000);
   const PatchSeries radiosity = random_series(room.patches.count(), kFrames);
   set_thread_count(1);
-  const PatchSeries one = apply(room, lines, radiosity);
+  const PatchSeries one = apply(lines, radiosity);
   set_thread_count(2);
-  const PatchSeries two = apply(room, lines, radiosity);
+  const PatchSeries two = apply(lines, radiosity);
   set_thread_count(0);
   EXPECT_EQ(one.values, two.values);
 }
 
-TEST(SampledOperator, SaysThatItWasStopped) {
-  const MovingRoom room(kFrames);
-  const TracedLines lines = trace(room, 1'000);
-  PatchSeries irradiance(room.patches.count(), kFrames);
+TEST(ForEachPatch, SaysThatItWasStopped) {
   Progress progress;
   progress.stop_requested = [] { return true; };
-  EXPECT_FALSE(SampledOperator(room.patches, lines)
-                   .apply(random_series(room.patches.count(), kFrames), irradiance, progress));
+  EXPECT_FALSE(for_each_patch(100, progress, [](PatchId) {}));
 }
 
 // Every width up to beyond two vectors of the widest machine; small integers add up exactly.

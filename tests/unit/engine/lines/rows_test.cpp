@@ -11,10 +11,19 @@
 namespace engine {
 namespace {
 
-using Chunks = std::vector<std::vector<RowEntry<Exchange>>>;
+template <class Entry>
+struct Chunk {
+  std::vector<RowEntry<Entry>> entries;
+};
+using Chunks = std::vector<Chunk<Exchange>>;
+
+template <class Entry>
+Rows<Entry> rows_of(std::uint32_t row_count, std::vector<Chunk<Entry>>& chunks) {
+  return build_rows(row_count, chunks, &Chunk<Entry>::entries);
+}
 
 Chunks copies_of(PatchId row, PatchId sender, std::size_t count) {
-  return {std::vector<RowEntry<Exchange>>(count, {row, Exchange(sender)})};
+  return {{std::vector<RowEntry<Exchange>>(count, {row, Exchange(sender)})}};
 }
 
 TEST(Exchange, IsOneLineFromItsSender) {
@@ -59,7 +68,7 @@ TEST(SlotExchange, KeepsApartWhatItsWeightCannotHold) {
 TEST(BuildRows, MoreThan128LinesOfAPairAreSeveralEntriesOfTheRightSum) {
   for (const std::size_t count : {1u, 127u, 128u, 129u, 256u, 1000u}) {
     Chunks chunks = copies_of(1, 4, count);
-    const auto rows = build_rows(3, chunks);
+    const auto rows = rows_of(3, chunks);
     EXPECT_EQ(rows.entry_count(), (count + 127) / 128);
     EXPECT_TRUE(rows.row(0).empty());
     EXPECT_TRUE(rows.row(2).empty());
@@ -74,7 +83,7 @@ TEST(BuildRows, MoreThan128LinesOfAPairAreSeveralEntriesOfTheRightSum) {
 
 TEST(BuildRows, WithoutEntriesEveryRowIsEmpty) {
   Chunks none;
-  const auto rows = build_rows(5, none);
+  const auto rows = rows_of(5, none);
   EXPECT_EQ(rows.entry_count(), 0u);
   for (PatchId row = 0; row < 5; ++row) EXPECT_TRUE(rows.row(row).empty());
 }
@@ -92,7 +101,7 @@ std::vector<RowEntry<Exchange>> random_entries(std::size_t count) {
 
 Chunks dealt(const std::vector<RowEntry<Exchange>>& entries, std::size_t chunk_count) {
   Chunks chunks(chunk_count);
-  for (std::size_t k = 0; k < entries.size(); ++k) chunks[k % chunk_count].push_back(entries[k]);
+  for (std::size_t k = 0; k < entries.size(); ++k) chunks[k % chunk_count].entries.push_back(entries[k]);
   return chunks;
 }
 
@@ -101,11 +110,11 @@ TEST(BuildRows, CountsEveryEntryOfEveryChunk) {
   std::map<std::pair<PatchId, PatchId>, std::uint32_t> expected, found;
   for (const auto& e : entries) ++expected[{e.row, e.entry.sender()}];
   Chunks chunks = dealt(entries, 13);
-  const auto rows = build_rows(40, chunks);
+  const auto rows = rows_of(40, chunks);
   for (PatchId row = 0; row < 40; ++row)
     for (const Exchange& exchange : rows.row(row)) found[{row, exchange.sender()}] += exchange.count();
   EXPECT_EQ(found, expected);
-  for (const auto& chunk : chunks) EXPECT_TRUE(chunk.empty());
+  for (const auto& chunk : chunks) EXPECT_TRUE(chunk.entries.empty());
 }
 
 template <class Entry>
@@ -121,12 +130,12 @@ bool same(const Rows<Entry>& a, const Rows<Entry>& b, std::uint32_t row_count) {
 TEST(BuildRows, NeitherTheOrderOfTheEntriesNorTheChunksCanBeTold) {
   auto entries = random_entries(20'000);
   Chunks chunks = dealt(entries, 1);
-  const auto rows = build_rows(40, chunks);
+  const auto rows = rows_of(40, chunks);
   std::mt19937 random(4);
   for (const std::size_t chunk_count : {1u, 2u, 7u, 500u}) {
     std::shuffle(entries.begin(), entries.end(), random);
     Chunks other = dealt(entries, chunk_count);
-    EXPECT_TRUE(same(rows, build_rows(40, other), 40)) << chunk_count;
+    EXPECT_TRUE(same(rows, rows_of(40, other), 40)) << chunk_count;
   }
 }
 
@@ -142,16 +151,16 @@ TEST(BuildRows, ChangesOfBothSignsMergeToTheirSumWhateverTheOrder) {
     entries.push_back({row, {first, last, sign, sender}});
     expected[{row, sender, first, last}] += sign;
   }
-  std::vector<std::vector<RowEntry<SlotExchange>>> chunks{entries}, shuffled(9);
+  std::vector<Chunk<SlotExchange>> chunks{{entries}}, shuffled(9);
   std::shuffle(entries.begin(), entries.end(), random);
-  for (std::size_t k = 0; k < entries.size(); ++k) shuffled[k % 9].push_back(entries[k]);
-  const auto rows = build_rows(5, chunks);
+  for (std::size_t k = 0; k < entries.size(); ++k) shuffled[k % 9].entries.push_back(entries[k]);
+  const auto rows = rows_of(5, chunks);
   std::map<std::tuple<PatchId, PatchId, int, int>, int> found;
   for (PatchId row = 0; row < 5; ++row)
     for (const SlotExchange& e : rows.row(row)) found[{row, e.sender, e.first_slot, e.last_slot}] += e.weight;
   EXPECT_EQ(found, expected);
   EXPECT_EQ(rows.entry_count(), expected.size());
-  EXPECT_TRUE(same(rows, build_rows(5, shuffled), 5));
+  EXPECT_TRUE(same(rows, rows_of(5, shuffled), 5));
 }
 
 }  // namespace

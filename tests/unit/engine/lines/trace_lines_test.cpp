@@ -21,10 +21,11 @@ constexpr FrameIndex kFrames = 10;
 using PairCounts =
     std::map<std::pair<PatchId, PatchId>, int>;  ///< (receiver, sender) -> lines, without zeros
 
+/// Global lines only.
 TracedLines trace(const World& world, const std::vector<FrameIndex>& frames, std::uint64_t lines,
                   std::uint64_t seed = 1) {
   auto traced =
-      trace_lines(world.patches, world.animation, world.static_rays, frames, {lines, seed}, Progress{});
+      trace_lines(world.patches, world.animation, world.static_rays, frames, {lines, seed, 0, 0}, Progress{});
   EXPECT_TRUE(traced);
   return std::move(*traced);
 }
