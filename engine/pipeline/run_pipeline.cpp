@@ -73,10 +73,11 @@ void expect_forecast(StageClock& clock, const JobSize& size, const MachinePace& 
 }
 
 /// Where nothing is to be kept, or the inputs cannot be told apart: none.
-Checkpoints open_checkpoints(const std::filesystem::path& folder, const std::filesystem::path& input_folder) {
-  if (folder.empty()) return {};
+Checkpoints open_checkpoints(const RunHooks& hooks, const std::filesystem::path& input_folder) {
+  if (hooks.checkpoint_folder.empty()) return {};
   const auto fingerprint = job_fingerprint(input_folder);
-  return fingerprint ? Checkpoints(folder, *fingerprint) : Checkpoints();
+  return fingerprint ? Checkpoints(hooks.checkpoint_folder, *fingerprint, hooks.checkpoints_apart)
+                     : Checkpoints();
 }
 
 /// As an earlier attempt left it, or solved now.
@@ -102,7 +103,7 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
                          api::JobReport& report) {
   StageClock clock(hooks, report);
   clock.begin(api::Stage::scene);
-  Checkpoints checkpoints = open_checkpoints(hooks.checkpoint_folder, input_folder);
+  Checkpoints checkpoints = open_checkpoints(hooks, input_folder);
   const auto job = prepare(request, input_folder, hooks.stop_requested, report);
   if (!job) return job.error();
   expect_forecast(clock, job->size, forecast_job(*job, thread_count(), report));

@@ -1,6 +1,7 @@
 // The stages of a job, in order.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 
@@ -8,6 +9,7 @@
 #include "api/job_request.h"
 #include "api/progress_line.h"
 #include "api/result.h"
+#include "engine/base/checkpoint.h"
 
 namespace engine {
 
@@ -19,6 +21,7 @@ struct RunHooks {
   /// nothing is kept. The request must be that of animation.json in the input folder: what was saved is known
   /// to be of the same job by the bytes of that folder (and of this program).
   std::filesystem::path checkpoint_folder = {};
+  std::chrono::milliseconds checkpoints_apart = Checkpoints::kApart;  ///< at least
 };
 
 /// Solves the job whose inputs (scene.obj, MTL, textures) lie in `input_folder` and publishes its artefacts

@@ -88,6 +88,8 @@ api::Result<Command> parse_render(std::span<const std::string_view> words) {
   RenderCommand command;
   const auto folder = parse_words(words, [&](const Word& word) -> api::Status {
     if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
+    if (word.name == "--checkpoint-seconds")
+      return take_number(word, 0, kCheckpointSecondsMax, command.checkpoint_seconds);
     if (word.name == "--parent") return take_process(word, command.parent);
     return usage_error("unknown option " + std::string(word.name));
   });
@@ -158,7 +160,7 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
 }
 
 std::string usage_line() {
-  return "usage: keylume render JOB_FOLDER [--threads N] [--parent PID]\n"
+  return "usage: keylume render JOB_FOLDER [--threads N] [--checkpoint-seconds N] [--parent PID]\n"
          "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID]\n"
          "       keylume bench paper [--out FOLDER] [--seed N] [--quick] [--examples FOLDER]\n"
          "       keylume --help | --version\n";
@@ -171,6 +173,8 @@ render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what 
          Appends one line of JSON per step to progress.ndjson and writes report.json, also on failure.
          Where an earlier run was stopped or killed, it goes on from what that left in JOB_FOLDER/checkpoint.
   --threads N     use N threads instead of all cores; the results are the same bytes
+  --checkpoint-seconds N
+                  save what a killed run can go on from at least N seconds apart (10)
   --parent PID    for supervisors: end when process PID ends, or when standard input closes
 
 check    Reads the job, counts its patches and forecasts what a run takes; writes report.json.

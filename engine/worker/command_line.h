@@ -17,6 +17,7 @@
 namespace engine {
 
 inline constexpr unsigned kThreadsMax = 1024;
+inline constexpr std::uint64_t kCheckpointSecondsMax = 86'400;
 inline constexpr std::uint64_t kCheckMemoryMbMin = 64;
 inline constexpr std::uint64_t kCheckMemoryMbMax = 1u << 20;
 inline constexpr std::uint64_t kCheckSecondsMax = 86'400;
@@ -24,6 +25,7 @@ inline constexpr std::uint64_t kCheckSecondsMax = 86'400;
 struct RenderCommand {
   std::filesystem::path job_folder = {};
   unsigned threads = 0;              ///< 0: all cores; 1 .. kThreadsMax
+  unsigned checkpoint_seconds = 10;  ///< [s] between checkpoints, at least; 0 .. kCheckpointSecondsMax
   std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
 };
 

@@ -42,8 +42,8 @@ class Narrator {
   std::string message_;
 };
 
-api::Status run_attempt(const JobFolder& folder, const Pipeline& pipeline, const Watch& watch,
-                        Clock::time_point start, api::JobReport& report) {
+api::Status run_attempt(const JobFolder& folder, const RenderCommand& command, const Pipeline& pipeline,
+                        const Watch& watch, Clock::time_point start, api::JobReport& report) {
   if (const api::Status cleared = clear_leftovers(folder); !cleared) return cleared;
   const auto request = read_job_request(folder);
   if (!request) return request.error();
@@ -58,6 +58,7 @@ api::Status run_attempt(const JobFolder& folder, const Pipeline& pipeline, const
   };
   hooks.stop_requested = [&] { return watch.stop_requested(); };
   hooks.checkpoint_folder = folder.checkpoint();
+  hooks.checkpoints_apart = std::chrono::seconds(command.checkpoint_seconds);
   return pipeline(*request, folder.input(), folder.artefacts(), hooks, report);
 }
 
@@ -108,7 +109,7 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline) {
 
   api::JobReport report;
   const api::Status status =
-      without_exceptions([&] { return run_attempt(*folder, pipeline, **watch, start, report); });
+      without_exceptions([&] { return run_attempt(*folder, command, pipeline, **watch, start, report); });
   return conclude(*folder, status, seconds_since(start), report);
 }
 

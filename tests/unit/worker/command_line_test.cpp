@@ -86,6 +86,8 @@ TEST(CommandLine, NumbersAreReadWholeOrNotAtAll) {
 TEST(CommandLine, NumbersAtTheirLimitsAreTaken) {
   EXPECT_EQ(refusal({"render", "job", "--threads", "1"}), "");
   EXPECT_EQ(refusal({"render", "job", "--threads", "1024"}), "");
+  EXPECT_EQ(refusal({"check", "job", "--threads", "2"}), "") << "of the run that is forecast";
+  EXPECT_EQ(refusal({"render", "job", "--checkpoint-seconds", "0"}), "");
   EXPECT_EQ(refusal({"check", "job", "--memory-mb", "64", "--seconds", "86400"}), "");
   EXPECT_NE(refusal({"check", "job", "--memory-mb", "63"}), "");
   EXPECT_NE(refusal({"check", "job", "--seconds", "86401"}), "");
@@ -98,7 +100,8 @@ TEST(CommandLine, WrongUseIsRefusedWithTheWordThatIsWrong) {
   EXPECT_NE(refusal({"render", ""}).find("JOB_FOLDER"), std::string::npos);
   EXPECT_NE(refusal({"render", "one", "two"}).find("exactly one"), std::string::npos);
   EXPECT_NE(refusal({"render", "job", "--cores", "2"}).find("--cores"), std::string::npos);
-  EXPECT_NE(refusal({"check", "job", "--threads", "2"}).find("--threads"), std::string::npos);
+  EXPECT_NE(refusal({"check", "job", "--checkpoint-seconds", "2"}).find("--checkpoint-seconds"),
+            std::string::npos);
   EXPECT_NE(refusal({"render", "job", "--threads"}).find("lacks its value"), std::string::npos);
   EXPECT_NE(refusal({"render", "job", "--threads", "2", "--threads", "3"}).find("twice"), std::string::npos);
 }
