@@ -5,7 +5,6 @@
 #include "api/json/json_text.h"
 #include "engine/animation/animation.h"
 #include "engine/bench/bench_files.h"
-#include "engine/bench/child_process.h"
 
 namespace engine {
 namespace {
@@ -77,26 +76,6 @@ api::Status keep_frames(const std::vector<FrameIndex>& frames, const fs::path& i
   return api::Done{};
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
-api::Status read_results(const fs::path& folder, BenchRun& run) {
-  const auto report_bytes = read_bench_file(folder / "report.json");
-  if (!report_bytes) return report_bytes.error();
-  auto report = api::parse_job_report(*report_bytes);
-  if (!report) return report.error();
-  const auto key_bytes = read_bench_file(folder / "artefacts/key_frames.json");
-  if (!key_bytes) return key_bytes.error();
-  auto key_frames = api::parse_key_frame_report(*key_bytes);
-  if (!key_frames) return key_frames.error();
-  run.report = std::move(*report);
-  run.key_frames = std::move(*key_frames);
-  return api::Done{};
-}
-
 }  // namespace
 
 double seconds_of(const api::JobReport& report, api::Stage stage) {
@@ -129,31 +108,13 @@ api::Status write_bench_job(const BenchJob& job, const fs::path& examples, const
   if (!json) return json.error();
   (*json)["name"] = "bench: " + job.name;
   (*json)["lighting"] = lighting_json(job.lighting);
+  for (auto& image : (*json)["images"]) {
+    image["width"] = kBenchImageWidth;
+    image["height"] = kBenchImageHeight;
+  }
   if (!job.frames.empty())
     if (const auto kept = keep_frames(job.frames, input, *bytes, *json); !kept) return kept;
   return write_bench_file(input / "animation.json", json->dump() + "\n");
-}
-
-api::Result<BenchRun> run_bench_job(const BenchJob& job, const fs::path& examples, const fs::path& folder,
-                                    const fs::path& program, int repetitions) {
-  BenchRun run{job.name, folder, {}, {}, repetitions};
-  std::vector<double> estimation, computation;
-  for (int k = 0; k < repetitions; ++k) {
-    std::error_code ignored;  // what cannot be removed fails to be written next
-    fs::remove_all(folder, ignored);
-    if (const auto s = write_bench_job(job, examples, folder); !s) return s.error();
-    if (const auto s = run_child({program.string(), "render", folder.string()}, folder / "log"); !s)
-      return s.error();
-    if (const auto s = read_results(folder, run); !s) return s.error();
-    const auto seconds = [&](api::Stage stage) { return seconds_of(run.report, stage); };
-    estimation.push_back(seconds(api::Stage::estimate) + seconds(api::Stage::keyframes));
-    computation.push_back(seconds(api::Stage::direct) + seconds(api::Stage::solve) +
-                          seconds(api::Stage::interpolate));
-    run.peak_memory_bytes = std::max(run.peak_memory_bytes, run.report.peak_memory_bytes);
-  }
-  run.estimation_s = median(estimation);
-  run.computation_s = median(computation);
-  return run;
 }
 
 }  // namespace engine

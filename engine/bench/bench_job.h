@@ -22,10 +22,13 @@ struct BenchJob {
   std::vector<api::FrameIndex> frames = {};
 };
 
+/// Of each picture; figures 8 and 9 are sheets of them.  [pixels]
+inline constexpr std::uint32_t kBenchImageWidth = 400, kBenchImageHeight = 225;
+
 /// One job, run.
 struct BenchRun {
   std::string name;
-  std::filesystem::path folder;  ///< of the last of its repetitions: input/, artefacts/, report.json
+  std::filesystem::path folder;  ///< of the last of its repetitions: input, artefacts, report.json
   api::JobReport report;         ///< the same
   api::KeyFrameReport key_frames;
   int repetitions = 0;
@@ -42,13 +45,16 @@ double count_of(const api::JobReport& report, std::string_view name);
 /// Frames that were solved: keys and checks.
 std::size_t solved_frames(const api::KeyFrameReport& report);
 
-/// Makes `folder`/input from the example: its animation.json with the lighting replaced, and the frames where
-/// a part of them is asked for (then without images). Errors: not_found, internal, invalid_request.
+/// Makes `folder`/input from the example: its animation.json with other lighting, smaller images, and the
+/// frames where a part of them is asked for (then without images). Errors: not_found, internal,
+/// invalid_request.
 api::Status write_bench_job(const BenchJob& job, const std::filesystem::path& examples,
                             const std::filesystem::path& folder);
 
 /// Runs `program` render `folder` as often as said, each time from scratch; what it says goes to
-/// `folder`/log. Errors: internal with the last line of the log where it fails.
+/// `folder`/log, the times to `folder`/times. A run of the same job by the same program that is there already
+/// is taken as it is: a bench that was cut off goes on. Errors: internal with the last line of the log where
+/// it fails.
 api::Result<BenchRun> run_bench_job(const BenchJob& job, const std::filesystem::path& examples,
                                     const std::filesystem::path& folder, const std::filesystem::path& program,
                                     int repetitions);

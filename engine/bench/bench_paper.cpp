@@ -13,21 +13,19 @@ namespace {
 
 api::Status write_all(const std::vector<GroupResult>& groups, const BenchOptions& options,
                       const std::string& markdown) {
-  const RunResult* room = find_run(groups, "room_full");
-  if (!room) return api::Error{api::Fault::internal, "the room was not run"};
-  const auto probes = probes_csv(room->run);
-  if (!probes) return probes.error();
   const std::pair<const char*, std::string> files[] = {
       {"report.md", markdown},
       {"report.json", bench_json(groups, options)},
       {"runs.csv", runs_csv(groups)},
       {"rmse.csv", rmse_csv(groups)},
       {"key_frames.csv", key_frames_csv(groups)},
-      {"probes.csv", *probes},
   };
   for (const auto& [name, text] : files)
     if (const auto written = write_bench_file(options.out_folder / name, text); !written) return written;
-  return api::Done{};
+  const RunResult* room = find_run(groups, "room_full");
+  if (!room) return api::Done{};
+  const auto probes = probes_csv(room->run);
+  return probes ? write_bench_file(options.out_folder / "probes.csv", *probes) : probes.error();
 }
 
 }  // namespace
@@ -41,13 +39,14 @@ api::Status bench_paper(const BenchOptions& given, const std::filesystem::path& 
   BenchOptions options = given;
   if (options.examples_folder.empty()) options.examples_folder = KEYLUME_EXAMPLES;
   std::vector<GroupResult> groups;
+  std::string markdown;
   for (const BenchGroup& group : bench_plan(options)) {
     auto result = run_group(group, options, program);
     if (!result) return result.error();
     groups.push_back(std::move(*result));
+    markdown = bench_markdown(groups, options);
+    if (const auto s = write_all(groups, options, markdown); !s) return s;
   }
-  const std::string markdown = bench_markdown(groups, options);
-  if (const auto s = write_all(groups, options, markdown); !s) return s;
   const bool printed = std::fputs(markdown.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
   return printed ? api::Status(api::Done{}) : api::Error{api::Fault::internal, "cannot print the report"};
 }

@@ -78,7 +78,7 @@ std::vector<BenchGroup> bench_plan(const BenchOptions& options) {
   BenchGroup room = group_of("room", "room", "animation.json", one_lamp, options.quick);
   add_run(room, "eps_0.1", LightingMode::paper, 0.1);
   add_run(room, "default", LightingMode::standard);
-  return {garage, off, office, room};
+  return {garage, off, room, office};
 }
 
 }  // namespace engine

@@ -19,7 +19,7 @@ struct BenchGroup {
 
 inline constexpr std::uint32_t kBenchFrames = 120;  ///< of every scene
 
-/// garage, garage_off, office, room. Names of jobs: group and what they are, garage_eps_0.1.
+/// garage, garage_off, room, office. Names of jobs: group and what they are, garage_eps_0.1.
 std::vector<BenchGroup> bench_plan(const BenchOptions& options);
 
 }  // namespace engine

@@ -44,7 +44,7 @@ TEST(BenchPlan, EveryJobIsSoundAndAsPlanned) {
 
 TEST(BenchJob, FramesAloneShowWhatTheSequenceShowsThen) {
   const auto groups = bench_plan({});
-  const BenchGroup& office = groups[2];
+  const BenchGroup& office = groups[3];
   const tests::TemporaryFolder whole_folder, part_folder;
   ASSERT_TRUE(write_bench_job(office.full, kExamples, whole_folder.path()));
   ASSERT_TRUE(write_bench_job(office.alone, kExamples, part_folder.path()));
@@ -80,7 +80,7 @@ TEST(BenchJob, WithoutItsExampleIsAnError) {
 TEST(BenchPlan, ScenesHaveTheSizesOfThePaper) {
   const auto groups = bench_plan({});
   const tests::TemporaryFolder folder;
-  ASSERT_TRUE(write_bench_job(groups[2].full, kExamples, folder.path()));
+  ASSERT_TRUE(write_bench_job(groups[3].full, kExamples, folder.path()));
   const auto office = load_bench_scene(folder.path() / "input");
   ASSERT_TRUE(office);
   const SceneNumbers numbers = scene_numbers(*office);

@@ -13,7 +13,7 @@ const std::filesystem::path kExamples = std::filesystem::path(KEYLUME_SOURCE_DIR
 
 TEST(RoomProbes, LieOnTheCubesAndTheWing) {
   const tests::TemporaryFolder folder;
-  ASSERT_TRUE(write_bench_job(bench_plan({})[3].full, kExamples, folder.path()));
+  ASSERT_TRUE(write_bench_job(bench_plan({})[2].full, kExamples, folder.path()));
   const auto room = load_bench_scene(folder.path() / "input");
   ASSERT_TRUE(room) << room.error().message;
   const auto probes = find_probes(*room);
@@ -38,7 +38,7 @@ TEST(RoomProbes, AreNotFoundElsewhere) {
 // A patch that emits has no weight in any error; the others have their areas.
 TEST(PatchWeights, AreAreasOfWhatDoesNotEmit) {
   const tests::TemporaryFolder folder;
-  ASSERT_TRUE(write_bench_job(bench_plan({})[3].full, kExamples, folder.path()));
+  ASSERT_TRUE(write_bench_job(bench_plan({})[2].full, kExamples, folder.path()));
   const auto room = load_bench_scene(folder.path() / "input");
   ASSERT_TRUE(room);
   double left_out = 0, sum = 0;
