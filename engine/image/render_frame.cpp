@@ -125,16 +125,17 @@ bool meets_motion(const FrameView& view, std::span<const SubPixel> samples, std:
 
 void render_row(const ShadedScene& stage, const FrameView& view, std::span<const NodeValues> node_values,
                 std::span<const SubPixel> samples, std::uint32_t y, std::vector<Image>& images) {
-  const MovingPart moving{&view.moving_rays, view.slot, view.frame};
   PixelRow pixel;
   for (std::uint32_t x = 0; x < view.camera.width; ++x) {
-    const bool may_move = std::any_of(view.motion.begin(), view.motion.end(),
-                                      [&](const PixelRect& rect) { return rect.contains(x, y); });
+    const bool may_move =
+        !view.motion || std::any_of(view.motion->begin(), view.motion->end(),
+                                    [&](const PixelRect& rect) { return rect.contains(x, y); });
     if (view.static_view && !(may_move && meets_motion(view, samples, x, y))) {
       set_pixel(view.static_view->rows[y], x, node_values, x, y, images);
       continue;
     }
     clear(pixel);
+    const MovingPart moving{may_move ? &view.moving_rays : nullptr, view.slot, view.frame};
     trace_pixel(stage, view.camera, moving, samples, x, y, pixel);
     set_pixel(pixel, 0, node_values, x, y, images);
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,8 +56,9 @@ struct FrameView {
   PinholeCamera camera;
   const MovingRays& moving_rays;
   std::uint32_t slot = 0;  ///< of moving_rays' window
-  /// Where the moving facets can be, if `static_view` is given; pixels elsewhere are taken from it.
-  std::vector<PixelRect> motion;
+  /// Where the moving facets can be, see pixels_with_motion(): no rays look for them elsewhere, and pixels
+  /// there are taken from `static_view`. None: anywhere.
+  std::optional<std::vector<PixelRect>> motion;
   const StaticView* static_view = nullptr;  ///< of the same camera and sample count, or none
   FrameIndex frame = 0;
 };

@@ -80,7 +80,7 @@ api::Status render_and_write(const Sequence& sequence, FrameIndex frame, NodeVal
                  {},
                  sequence.static_view.get(),
                  frame};
-  if (view.static_view) view.motion = pixels_with_motion(patches, sequence.animation, frame, view.camera);
+  view.motion = pixels_with_motion(patches, sequence.animation, frame, view.camera);
 
   std::vector<NodeValues> wanted;
   std::vector<Rgb> shown;
