@@ -63,6 +63,49 @@ struct Weighed {
   float weight = 0;
 };
 
+/// Those that can shine on the patch, in order.
+std::vector<Weighed> weigh(const Receiver& receiver, std::span<const WindowLight> lights,
+                           const BrightnessTable& brightness) {
+  std::vector<Weighed> weighed;
+  for (std::uint32_t l = 0; l < lights.size(); ++l) {
+    const float weight = weight_of(receiver, lights[l], brightness);
+    if (weight > 0) weighed.push_back({l, weight});
+  }
+  return weighed;
+}
+
+double total(std::span<const Weighed> weighed) {
+  return std::accumulate(weighed.begin(), weighed.end(), 0.0,
+                         [](double sum, const Weighed& w) { return sum + w.weight; });
+}
+
+bool is_before(const Weighed& a, const Weighed& b) {
+  return a.light < b.light;
+}
+
+/// Moves those that get their own rays to the front, in order, the rest behind them, in order. Answers how
+/// many they are.
+std::size_t part_own(std::vector<Weighed>& weighed) {
+  const double least = kOwnShare * total(weighed);
+  const auto own_end = weighed.begin() + std::min(kOwnMax, weighed.size());
+  std::partial_sort(weighed.begin(), own_end, weighed.end(), [](const Weighed& a, const Weighed& b) {
+    return a.weight != b.weight ? a.weight > b.weight : is_before(a, b);
+  });
+  const auto rest =
+      std::find_if(weighed.begin(), own_end, [&](const Weighed& w) { return w.weight < least; });
+  std::sort(weighed.begin(), rest, is_before);
+  std::sort(rest, weighed.end(), is_before);  // neighbours in number are often neighbours in the scene
+  return static_cast<std::size_t>(rest - weighed.begin());
+}
+
+std::vector<DrawnLight> probabilities(std::span<const Weighed> weighed) {
+  const double sum = total(weighed), least = kDefensive * sum / static_cast<double>(weighed.size());
+  std::vector<DrawnLight> drawn;
+  for (const Weighed& w : weighed)
+    drawn.push_back({w.light, static_cast<float>((w.weight + least) / (sum * (1 + kDefensive)))});
+  return drawn;
+}
+
 }  // namespace
 
 LightChoice choose_lights(const Receiver& receiver, std::span<const WindowLight> lights,
@@ -73,38 +116,14 @@ LightChoice choose_lights(const Receiver& receiver, std::span<const WindowLight>
     std::iota(choice.each.begin(), choice.each.end(), 0u);
     return choice;
   }
-  std::vector<Weighed> weighed;
-  double sum = 0;
-  for (std::uint32_t l = 0; l < lights.size(); ++l) {
-    const float weight = weight_of(receiver, lights[l], brightness);
-    if (!(weight > 0)) continue;
-    weighed.push_back({l, weight});
-    sum += weight;
-  }
-  if (weighed.size() <= kLightsEachMax) {
-    for (const Weighed& w : weighed) choice.each.push_back(w.light);
-    return choice;
-  }
-
-  const auto by_light = [](const Weighed& a, const Weighed& b) { return a.light < b.light; };
-  const auto by_weight = [&](const Weighed& a, const Weighed& b) {
-    return a.weight != b.weight ? a.weight > b.weight : by_light(a, b);
-  };
-  const auto own_end = weighed.begin() + kOwnMax;
-  std::partial_sort(weighed.begin(), own_end, weighed.end(), by_weight);
-  const auto drawn =
-      std::find_if(weighed.begin(), own_end, [&](const Weighed& w) { return w.weight < kOwnShare * sum; });
-  for (auto w = weighed.begin(); w != drawn; ++w) choice.each.push_back(w->light);
-  std::sort(choice.each.begin(), choice.each.end());
-  std::sort(drawn, weighed.end(), by_light);  // neighbours in the scene are often neighbours in number
-
-  double rest = 0;
-  for (auto w = drawn; w != weighed.end(); ++w) rest += w->weight;
-  const double count = static_cast<double>(weighed.end() - drawn), least = kDefensive * rest / count;
-  for (auto w = drawn; w != weighed.end(); ++w)
-    choice.drawn.push_back({w->light, static_cast<float>((w->weight + least) / (rest * (1 + kDefensive)))});
+  std::vector<Weighed> weighed = weigh(receiver, lights, brightness);
+  const bool few = weighed.size() <= kLightsEachMax;
+  const std::size_t own = few ? weighed.size() : part_own(weighed);
+  for (std::size_t k = 0; k < own; ++k) choice.each.push_back(weighed[k].light);
+  if (few) return choice;
+  choice.drawn = probabilities(std::span(weighed).subspan(own));
   const float budget = kLightsEachMax * std::min(brightness.variety, kVarietyMax);
-  choice.shared_lights = budget - static_cast<float>(choice.each.size());
+  choice.shared_lights = budget - static_cast<float>(own);
   return choice;
 }
 
