@@ -38,7 +38,7 @@ void expect_exact(const CubeCase& exact, api::DirectLight direct) {
   ASSERT_EQ(ready.patches.count(), 6u);
   api::LightingOptions options;
   options.direct = direct;
-  options.line_count = 65'536;
+  options.line_count = 262'144;
   options.samples_per_light = 256;
   Sample source, opposite, sides;
   for (options.seed = 1; options.seed <= kSeeds; ++options.seed) {
