@@ -64,7 +64,7 @@ TEST(Colour, WallsTintTheFloorBesideThem) {
   const Rgb by_green = mean_over(ready, lit.indirect, near_green, 0);
   const Rgb by_red = mean_over(ready, lit.indirect, near_red, 0);
   EXPECT_GT(by_red.r / by_red.g, 1.2 * by_green.r / by_green.g);
-  const Rgb lamp = engine::exitance_of_patch(ready.lit, ready.patches_of_material("light")[0], 0);
+  const Rgb lamp = ready.lit.exitance(ready.animation.emission, ready.patches_of_material("light")[0], 0);
   EXPECT_GT(by_red.r / by_red.g, lamp.r / lamp.g) << "redder than the lamp";
   EXPECT_LT(by_green.r / by_green.g, lamp.r / lamp.g) << "greener than the lamp";
 }

@@ -18,7 +18,7 @@ using engine::FrameIndex;
 using engine::PatchId;
 using engine::Rgb;
 
-constexpr std::uint64_t kSeeds = 100;
+constexpr std::uint64_t kSeeds = 200;
 
 /// Eight replicates: seven degrees of freedom, two-sided 5 %.
 constexpr double kDegrees = 7, kLimit = 2.36462425;
@@ -32,11 +32,11 @@ struct Coverage {
   double share() const { return covered / count; }
 };
 
+/// The shadow rays of the standard preset, and lines that meet a patch as often as its do, some 200 times.
 api::LightingOptions options_of(std::uint64_t seed) {
   api::LightingOptions options;
   options.mode = api::LightingMode::reference;
-  options.line_count = options.moving_line_count = 100'000;
-  options.samples_per_light = 32;
+  options.line_count = options.moving_line_count = 15'000;
   options.standard_errors = true;
   options.seed = seed;
   return options;
@@ -78,24 +78,25 @@ std::array<Coverage, 2> measure(const ReadyScene& ready) {
 /// Seeds are independent, patches of one seed are not: their scatter tells how well the share is known.
 void expect_covered(const Coverage& coverage, const std::string& what) {
   if (coverage.count == 0) return;
-  const Sample shares{coverage.of_seed};
-  std::cout << what << ": " << 100 * coverage.share() << " % +- " << 100 * shares.standard_error()
-            << " % are covered\n";
-  EXPECT_NEAR(coverage.share(), 0.95, 0.02) << what;
-  EXPECT_LT(shares.standard_error(), 0.004) << what << ": too few seeds to tell 2 %";
+  const double unsure = Sample{coverage.of_seed}.standard_error();
+  std::cout << what << ": " << 100 * coverage.share() << " % +- " << 100 * unsure << " % are covered\n";
+  EXPECT_LT(unsure, 0.01) << what << ": too few seeds to tell";
+  EXPECT_NEAR(coverage.share(), 0.95, 0.02 + 4 * unsure) << what;
 }
 
 void expect_coverage(const SceneBuilder& built, double patch_edge_m) {
   const ReadyScene ready(built, patch_edge_m);
   const auto [resting, moving] = measure(ready);
-  EXPECT_GT(resting.count, 0);
+  const double share = (resting.covered + moving.covered) / (resting.count + moving.count);
+  EXPECT_NEAR(share, 0.95, 0.02);
   expect_covered(resting, "at rest");
   expect_covered(moving, "moving");
 }
 
 }  // namespace
 
-// A share of .95 that is known to .4 % is found outside of 93 .. 97 % for one choice of seeds in a million.
+// The share is known to about .3 %: one of .95 is found outside of 93 .. 97 % for fewer than one choice of
+// seeds in a million.
 TEST(StandardErrors, CoverTheExactValueInNineteenOfTwentyWithABlockThatMoves) {
   ASSERT_NEAR(two_sided_p(kLimit, kDegrees), 0.05, 1e-6);
   expect_coverage(blocks_of_which_one_moves(), 0.7);

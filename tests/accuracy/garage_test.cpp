@@ -46,9 +46,11 @@ std::map<PatchId, std::int64_t> senders_of(const engine::TracedLines& traced, Pa
   return count;
 }
 
+/// Global lines alone: local ones are seen from one end.
 engine::TracedLines trace(const ReadyScene& ready, std::uint64_t seed, std::uint64_t lines) {
   const std::vector<engine::FrameIndex> frames{kFrame};
-  return *engine::trace_lines(ready.patches, ready.animation, ready.static_rays, frames, {lines, seed}, {});
+  return *engine::trace_lines(ready.patches, ready.animation, ready.static_rays, frames, {lines, seed, 0, 0},
+                              {});
 }
 
 }  // namespace
@@ -108,14 +110,13 @@ TEST(Garage, WhatTheLampsEmitIsAbsorbed) {
     const api::LightingOptions options = options_of(seed, 400'000);
     const LitFrames lit = light_frames(ready, {kFrame}, options);
     const engine::TracedLines traced = trace(ready, seed, options.line_count);
-    const auto reflectance = engine::reflectance_of_patches(ready.scene, ready.patches);
     double emitted_w = 0, absorbed_w = 0, by_backs_w = 0;
     for (PatchId p = 0; p < ready.patches.count(); ++p) {
       const double area = ready.patches.area_m2[p];
       const double arriving = double{lit.direct.at(p, 0).r} + lit.indirect.at(p, 0).r;
-      const double exitance = engine::exitance_of_patch(ready.lit, p, kFrame).r;
+      const double exitance = ready.lit.exitance(ready.animation.emission, p, kFrame).r;
       emitted_w += area * exitance;
-      absorbed_w += area * (1 - reflectance[p].r) * arriving;
+      absorbed_w += area * (1 - ready.lit.reflectance(p, kFrame).r) * arriving;
       double seen = 0;
       for (const auto& [sender, count] : senders_of(traced, p)) seen += static_cast<double>(count);
       const double crossings = traced.crossings.at(p, 0);

@@ -22,12 +22,12 @@ KeyCounts count_keys(const std::string& json) {
   options.mode = api::LightingMode::paper;
   options.estimate_patch_edge_m = 2.0;
   options.estimate_line_count = 400'000;
-  const auto estimate =
-      engine::estimate_lighting(ready.scene, ready.animation, ready.static_rays, options, {});
+  const auto groups = engine::light_groups(ready.scene, ready.animation, {}, 0);
   const auto keys_at = [&](double epsilon) {
     options.epsilon = epsilon;
-    return engine::select_key_frames(ready.scene, ready.animation, ready.static_rays, *estimate, options, {})
-        ->keys.size();
+    auto estimator =
+        engine::Estimator::begin(ready.scene, ready.animation, ready.static_rays, groups, options, {});
+    return engine::select_key_frames(*estimator, options, {})->keys.size();
   };
   return {keys_at(0.1), keys_at(0.2)};
 }

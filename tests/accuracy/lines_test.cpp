@@ -125,7 +125,7 @@ TEST(GlobalLines, ExchangeAsOftenOneWayAsTheOther) {
   const ReadyScene ready(built, 0.6);
   const std::vector<engine::FrameIndex> frames{0};
   const auto traced =
-      engine::trace_lines(ready.patches, ready.animation, ready.static_rays, frames, {100'000, 3}, {});
+      engine::trace_lines(ready.patches, ready.animation, ready.static_rays, frames, {100'000, 3, 0, 0}, {});
   const std::uint32_t n = ready.patches.count();
   std::vector<std::uint64_t> count(std::size_t{n} * n);
   std::uint64_t exchanges = 0, one_way = 0;
@@ -190,7 +190,7 @@ TEST(GlobalLines, ErrorFallsWithTheRootOfTheirNumber) {
   const std::vector<engine::FrameIndex> frames{0};
   for (std::uint64_t seed = 1; seed <= 64; ++seed) {
     const auto traced = engine::trace_lines(ready.patches, ready.animation, ready.static_rays, frames,
-                                            {kCounts.back(), seed}, {});
+                                            {kCounts.back(), seed, 0, 0}, {});
     double both = 0;
     for (const engine::Exchange exchange : traced->static_rows.row(4))
       if (exchange.sender() == 5) both += exchange.count();
