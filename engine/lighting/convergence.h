@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/base/rgb.h"
@@ -24,7 +25,9 @@ class ConvergenceTest {
  public:
   /// Takes the largest change of this iteration, and the mean B it is relative to (0: dark).
   void add(double change, double mean, Convergence& state) {
-    const double ratio = last_ > 0 ? std::min(change / last_, 0.9999) : 0.9999;
+    const double now = last_ > 0 ? std::min(change / last_, 0.9999) : 0.9999;
+    const double ratio = std::max({now, ratios_[0], ratios_[1]});
+    ratios_ = {ratios_[1], now};
     state.error_left = mean > 0 ? change * ratio / (1 - ratio) / mean : 0;
     state.converged = state.error_left <= kIterationError;
     last_ = change;
@@ -43,6 +46,9 @@ class ConvergenceTest {
 
  private:
   double last_ = 0, second_ = 0;
+  /// The two before: near the end changes are few units in the last place, and one ratio alone may be far too
+  /// small by rounding.
+  std::array<double, 2> ratios_{0, 0};
 };
 
 }  // namespace engine
