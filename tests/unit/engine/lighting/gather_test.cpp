@@ -7,25 +7,15 @@
 
 #include "engine/base/parallel.h"
 #include "engine/lighting/row_kernels.h"
-#include "tests/unit/engine/moving_room.h"
+#include "tests/unit/engine/lighting/lit_room.h"
 
 namespace engine {
 namespace {
 
+using tests::every_slot;
 using tests::MovingRoom;
 
 constexpr FrameIndex kFrames = 10;
-
-TracedLines trace(const MovingRoom& room, std::uint64_t lines) {
-  const auto frames = room.all_frames();
-  return *trace_lines(room.patches, room.animation, room.static_rays, frames, {lines, 1}, Progress{});
-}
-
-Columns every_slot(std::uint32_t slots) {
-  std::vector<std::uint32_t> all(slots);
-  std::iota(all.begin(), all.end(), 0u);
-  return {std::move(all), slots};
-}
 
 /// (T_s + M_f) b in the slots of `columns`, b with those columns.
 PatchSeries apply(const TracedLines& lines, const PatchSeries& b, const Columns& columns) {
@@ -50,10 +40,26 @@ PatchSeries random_series(std::uint32_t patches, std::uint32_t frames) {
   return series;
 }
 
-// Sums of powers of two are exact, so all that is left is the rounding of 1 / n and of one product.
+TEST(Columns, FindTheirSlots) {
+  const Columns columns({1, 4, 5, 9}, 10);
+  EXPECT_EQ(columns.count(), 4u);
+  EXPECT_EQ(columns.slot(2), 5u);
+  const auto of = [&](std::uint32_t first, std::uint32_t last) {
+    return std::pair(columns.begin_of(first), columns.end_of(last));
+  };
+  EXPECT_EQ(of(0, 9), std::pair(0u, 4u));
+  EXPECT_EQ(of(4, 5), std::pair(1u, 3u));
+  EXPECT_EQ(of(2, 8), std::pair(1u, 3u));
+  EXPECT_EQ(of(9, 9), std::pair(3u, 4u));
+  EXPECT_EQ(of(6, 8).first, of(6, 8).second);
+  EXPECT_EQ(of(0, 0), std::pair(0u, 0u));
+}
+
+// Sums of powers of two are exact, so all that is left is the rounding of 1 / n and of one product; and of
+// the difference that moving things make, which may be taken off again.
 TEST(SampledOperator, UniformRadiosityOfAClosedRoomArrivesUnchanged) {
   const MovingRoom room(kFrames);
-  const TracedLines lines = trace(room, 20'000);
+  const TracedLines lines = tests::trace(room, room.all_frames(), {20'000, 1});
   PatchSeries glow(room.patches.count(), kFrames);
   for (Rgb& value : glow.values) value = {1, 0.25f, 8};
   const PatchSeries arriving = apply(lines, glow);
@@ -62,36 +68,107 @@ TEST(SampledOperator, UniformRadiosityOfAClosedRoomArrivesUnchanged) {
     for (std::uint32_t slot = 0; slot < kFrames; ++slot) {
       if (lines.crossings.at(patch, slot) == 0) continue;
       ++met;
-      ASSERT_NEAR(arriving.at(patch, slot).r, 1, 0x1p-22);
-      ASSERT_NEAR(arriving.at(patch, slot).g, 0.25f, 0x1p-24);
-      ASSERT_NEAR(arriving.at(patch, slot).b, 8, 0x1p-19);
+      ASSERT_NEAR(arriving.at(patch, slot).r, 1, 0x1p-21);
+      ASSERT_NEAR(arriving.at(patch, slot).g, 0.25f, 0x1p-23);
+      ASSERT_NEAR(arriving.at(patch, slot).b, 8, 0x1p-18);
     }
   EXPECT_GT(met, 1000);
 }
 
-// Every slot by itself, in doubles, from the exchanges. Rounding: sums of n <= 10^4 floats.
-TEST(SampledOperator, GathersWhatTheExchangesOfEachSlotSay) {
-  const MovingRoom room(kFrames);
-  const TracedLines lines = trace(room, 5'000);
-  const PatchSeries radiosity = random_series(room.patches.count(), kFrames);
-  const PatchSeries arriving = apply(lines, radiosity);
-  for (PatchId patch = 0; patch < room.patches.count(); ++patch)
-    for (std::uint32_t slot = 0; slot < kFrames; ++slot) {
-      const std::uint32_t crossings = lines.crossings.at(patch, slot);
-      if (crossings == 0) continue;
-      double sum = 0;
-      for (const Exchange& e : lines.static_rows.row(patch))
-        sum += double{radiosity.at(e.sender(), slot).g} * e.count();
-      for (const SlotExchange& e : lines.moving_rows.row(patch))
-        if (e.first_slot <= slot && slot <= e.last_slot)
-          sum += double{radiosity.at(e.sender, slot).g} * e.weight;
-      ASSERT_NEAR(arriving.at(patch, slot).g, sum / crossings, 1e-4) << patch << " " << slot;
+// T_s + M_f of a window of many frames against the hits of each frame alone. Rounding: sums of up to some
+// hundred floats of up to 2.
+TEST(SampledOperator, OfAWindowIsInEveryFrameThatOfTheFrameAlone) {
+  for (const bool both_sides : {false, true}) {
+    const MovingRoom room(kFrames, 0.7, both_sides);
+    constexpr std::uint32_t kLines = 8'000;
+    const TracedLines lines = tests::trace(room, room.all_frames(), {kLines, 5, 0, 0});
+    const PatchSeries b = random_series(room.patches.count(), kFrames);
+    const PatchSeries arriving = apply(lines, b);
+    for (FrameIndex frame = 0; frame < kFrames; ++frame) {
+      const tests::Dense alone = operator_of(tests::trace_one_frame(room, frame, 0, kLines, 5));
+      std::vector<double> green;
+      for (PatchId patch = 0; patch < room.patches.count(); ++patch) green.push_back(b.at(patch, frame).g);
+      const std::vector<double> expected = alone.times(green);
+      for (PatchId patch = 0; patch < room.patches.count(); ++patch)
+        ASSERT_NEAR(arriving.at(patch, frame).g, expected[patch], 1e-5) << patch << " " << frame;
     }
+  }
+}
+
+// With the local rays of patches that few lines meet: a frame as a window of its own has the same.
+TEST(SampledOperator, WithLocalRaysIsInEveryFrameThatOfAWindowOfThisFrame) {
+  const MovingRoom room(kFrames, 0.5);
+  const LineOptions few{300, 5, 4, 20};
+  const TracedLines lines = tests::trace(room, room.all_frames(), few);
+  ASSERT_GT(lines.counts.local_lines, 1'000u);
+  for (FrameIndex frame = 0; frame < kFrames; ++frame) {
+    const TracedLines alone = tests::trace(room, {frame}, few);
+    EXPECT_EQ(tests::exchanges_in(lines, room.patches.count(), frame),
+              tests::exchanges_in(alone, room.patches.count(), 0));
+    for (PatchId patch = 0; patch < room.patches.count(); ++patch)
+      ASSERT_EQ(lines.crossings.at(patch, frame), alone.crossings.at(patch, 0));
+  }
+}
+
+// The order of additions is that of the row's entries whatever the columns, so the bytes are the same.
+TEST(SampledOperator, ColumnsOfSomeSlotsAreThoseOfAll) {
+  const MovingRoom room(kFrames);
+  const TracedLines lines = tests::trace(room, room.all_frames(), {5'000, 1});
+  const PatchSeries b = random_series(room.patches.count(), kFrames);
+  const PatchSeries all = apply(lines, b);
+  for (const std::vector<std::uint32_t>& slots :
+       {std::vector<std::uint32_t>{0}, {9}, {2, 3, 7}, {0, 4, 5, 9}}) {
+    const Columns columns(slots, kFrames);
+    PatchSeries of_slots(b.patch_count, columns.count());
+    for (PatchId patch = 0; patch < b.patch_count; ++patch)
+      for (std::uint32_t c = 0; c < columns.count(); ++c) of_slots.at(patch, c) = b.at(patch, slots[c]);
+    const PatchSeries some = apply(lines, of_slots, columns);
+    for (PatchId patch = 0; patch < b.patch_count; ++patch)
+      for (std::uint32_t c = 0; c < columns.count(); ++c)
+        ASSERT_EQ(some.at(patch, c), all.at(patch, slots[c]));
+  }
+}
+
+TEST(SampledOperator, WhatIsEqualInAllFramesIsGatheredFromOneColumn) {
+  const MovingRoom room(kFrames);
+  const TracedLines lines = tests::trace(room, room.all_frames(), {5'000, 1});
+  const PatchSeries one = random_series(room.patches.count(), 1);
+  PatchSeries all(room.patches.count(), kFrames);
+  for (PatchId patch = 0; patch < all.patch_count; ++patch)
+    std::fill_n(all.row(patch), kFrames, one.at(patch, 0));
+  const SampledOperator sampled(lines);
+  const Columns columns = every_slot(kFrames);
+  for (PatchId patch = 0; patch < all.patch_count; ++patch) {
+    std::vector<Rgb> from_all(kFrames), from_one(kFrames);
+    sampled.add_moving(all, columns, patch, from_all.data());
+    sampled.add_moving(one.values, columns, patch, from_one.data());
+    for (FrameIndex f = 0; f < kFrames; ++f) ASSERT_NEAR(from_all[f].r, from_one[f].r, 1e-5);
+  }
+}
+
+TEST(SampledOperator, AnObjectThatIsNotThereReceivesNothingAndAtRestNothingThatMovesDoes) {
+  const MovingRoom room(kFrames, 0.5);
+  const TracedLines lines = tests::trace(room, room.all_frames(), {1'000, 1});
+  const PatchSeries b = random_series(room.patches.count(), kFrames);
+  const PatchSeries arriving = apply(lines, b);
+  const SampledOperator sampled(lines);
+  for (PatchId patch = 0; patch < room.patches.count(); ++patch) {
+    const std::uint32_t object = room.patches.facets[room.patches.facet_of[patch]].object;
+    std::vector<Rgb> at_rest(kFrames, Rgb{1, 1, 1});
+    sampled.gather_at_rest(b, patch, at_rest.data());
+    for (std::uint32_t slot = 0; slot < kFrames; ++slot) {
+      if (object > 0) {
+        ASSERT_EQ(at_rest[slot], Rgb{});
+      }
+      const bool gone = object == 2 && slot != 2 && slot != 3 && slot != 7;
+      ASSERT_EQ(arriving.at(patch, slot) == Rgb{}, gone) << patch << " " << slot;
+    }
+  }
 }
 
 TEST(SampledOperator, OneThreadAndSeveralGiveTheSameBytes) {
   const MovingRoom room(kFrames);
-  const TracedLines lines = trace(room, 10'000);
+  const TracedLines lines = tests::trace(room, room.all_frames(), {10'000, 1});
   const PatchSeries radiosity = random_series(room.patches.count(), kFrames);
   set_thread_count(1);
   const PatchSeries one = apply(lines, radiosity);

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <map>
 
 #include "engine/base/parallel.h"
-#include "engine/lines/visibility_list.h"
 #include "tests/unit/engine/moving_room.h"
+#include "tests/unit/engine/one_frame.h"
 
 namespace engine {
 namespace {
@@ -18,8 +17,8 @@ using tests::MovingRoom;
 using tests::World;
 
 constexpr FrameIndex kFrames = 10;
-using PairCounts =
-    std::map<std::pair<PatchId, PatchId>, int>;  ///< (receiver, sender) -> lines, without zeros
+using tests::exchanges_in;
+using tests::PairCounts;
 
 /// Global lines only.
 TracedLines trace(const World& world, const std::vector<FrameIndex>& frames, std::uint64_t lines,
@@ -28,18 +27,6 @@ TracedLines trace(const World& world, const std::vector<FrameIndex>& frames, std
       trace_lines(world.patches, world.animation, world.static_rays, frames, {lines, seed, 0, 0}, Progress{});
   EXPECT_TRUE(traced);
   return std::move(*traced);
-}
-
-PairCounts exchanges_in(const TracedLines& lines, std::uint32_t patch_count, std::uint32_t slot) {
-  PairCounts counts;
-  for (PatchId patch = 0; patch < patch_count; ++patch) {
-    for (const Exchange& e : lines.static_rows.row(patch))
-      counts[{patch, e.sender()}] += static_cast<int>(e.count());
-    for (const SlotExchange& e : lines.moving_rows.row(patch))
-      if (e.first_slot <= slot && slot <= e.last_slot) counts[{patch, e.sender}] += e.weight;
-  }
-  std::erase_if(counts, [](const auto& entry) { return entry.second == 0; });
-  return counts;
 }
 
 template <class Entry>
@@ -90,44 +77,23 @@ TEST(TraceLines, EveryCrossingOfAClosedSceneSeesSomethingInEverySlot) {
   }
 }
 
-/// The same lines, frame by frame and hit by hit, with everything at rest.
-PairCounts by_force(const World& world, FrameIndex frame, std::uint64_t line_count, std::uint64_t seed) {
-  Animation rest = tests::still(world.scene, 1);
-  for (std::size_t object = 0; object < rest.objects.size(); ++object) {
-    rest.objects[object].spans.clear();
-    for (const PoseSpan& span : world.animation.objects[object].spans)
-      if (span.first <= frame && frame <= span.last) rest.objects[object].spans.push_back({0, 0, span.pose});
-  }
-  const StaticRays rays(world.patches, rest);
-  const LineBox box = line_box(world.patches, world.animation);
-  PairCounts counts;
-  std::vector<SurfaceHit> hits;
-  for (std::uint32_t line = 0; line < line_count; ++line) {
-    rays.all_hits(global_line(box, line, seed), hits);
-    for (std::size_t k = 1; k < hits.size(); ++k) {
-      const PatchId a = crossing_of(world.patches, hits[k - 1]).facing_forward;
-      const PatchId b = crossing_of(world.patches, hits[k]).facing_back;
-      if (a == kNoPatch || b == kNoPatch) continue;
-      ++counts[{a, b}];
-      ++counts[{b, a}];
-    }
-  }
-  return counts;
-}
-
 TEST(TraceLines, EveryFrameOfAWindowIsTheFrameTracedAlone) {
   const MovingRoom room(kFrames);
   constexpr std::uint64_t kLines = 10'000;
   const TracedLines lines = trace(room, room.all_frames(), kLines, 9);
   for (FrameIndex frame = 0; frame < kFrames; ++frame)
-    ASSERT_EQ(exchanges_in(lines, room.patches.count(), frame), by_force(room, frame, kLines, 9)) << frame;
+    ASSERT_EQ(exchanges_in(lines, room.patches.count(), frame),
+              tests::trace_one_frame(room, frame, 0, kLines, 9).pairs)
+        << frame;
 }
 
 TEST(TraceLines, AWindowOf128FramesReachesItsLastSlot) {
   const MovingRoom room(128);
   const TracedLines lines = trace(room, room.all_frames(), 2'000);
   for (const FrameIndex frame : {0u, 63u, 64u, 127u})
-    ASSERT_EQ(exchanges_in(lines, room.patches.count(), frame), by_force(room, frame, 2'000, 1)) << frame;
+    ASSERT_EQ(exchanges_in(lines, room.patches.count(), frame),
+              tests::trace_one_frame(room, frame, 0, 2'000, 1).pairs)
+        << frame;
 }
 
 TEST(TraceLines, FramesChosenFromTheAnimationAreTheSameFrames) {
@@ -141,6 +107,32 @@ TEST(TraceLines, FramesChosenFromTheAnimationAreTheSameFrames) {
     for (PatchId patch = 0; patch < room.patches.count(); ++patch)
       ASSERT_EQ(lines.crossings.at(patch, slot), all.crossings.at(patch, chosen[slot]));
   }
+}
+
+// What has been traced is a part of what would be: half of the lines are the first half.
+TEST(TraceLines, FewerLinesAreTheFirstOfMore) {
+  const MovingRoom room(kFrames);
+  const std::uint32_t patches = room.patches.count();
+  const TracedLines few = trace(room, room.all_frames(), 3'000), more = trace(room, room.all_frames(), 7'000);
+  for (FrameIndex slot = 0; slot < kFrames; ++slot) {
+    PairCounts rest = exchanges_in(more, patches, slot);
+    for (const auto& [pair, count] : exchanges_in(few, patches, slot)) rest[pair] -= count;
+    std::erase_if(rest, [](const auto& entry) { return entry.second == 0; });
+    const tests::OneFrame later = tests::trace_one_frame(room, slot, 3'000, 7'000, 1);
+    ASSERT_EQ(rest, later.pairs) << slot;
+    for (PatchId patch = 0; patch < patches; ++patch)
+      ASSERT_EQ(more.crossings.at(patch, slot) - few.crossings.at(patch, slot), later.crossings[patch]);
+  }
+}
+
+TEST(TraceLines, WithoutFramesIsTheSceneAtRestWithoutWhatMoves) {
+  const MovingRoom room(kFrames);
+  const TracedLines rest = trace(room, {}, 5'000), window = trace(room, room.all_frames(), 5'000);
+  EXPECT_EQ(rest.slot_count, 0u);
+  EXPECT_EQ(rest.moving_rows.entry_count(), 0u);
+  EXPECT_TRUE(same_entries(rest.static_rows, window.static_rows, room.patches.count()));
+  EXPECT_EQ(rest.crossings.static_count, window.crossings.static_count);
+  EXPECT_EQ(rest.counts.moving_hits, 0u);
 }
 
 TEST(TraceLines, OneThreadAndSeveralGiveTheSame) {
