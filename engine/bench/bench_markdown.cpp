@@ -11,10 +11,12 @@ namespace engine {
 namespace {
 
 [[gnu::format(printf, 1, 2)]] std::string text_of(const char* format, ...) {
-  char text[256];
-  va_list values;
+  va_list values, again;
   va_start(values, format);
-  std::vsnprintf(text, sizeof text, format, values);
+  va_copy(again, values);
+  std::string text(static_cast<std::size_t>(std::vsnprintf(nullptr, 0, format, values)), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
   va_end(values);
   return text;
 }
@@ -180,7 +182,7 @@ std::string cost_section(const Groups& groups) {
   text += text_of("[P]'s Table 2 gives %.1f min once and %.2f min per key-frame: %.1f times at most.\n\n",
                   paper.once_s / 60, paper.per_frame_s / 60, paper.largest_speed_up(kBenchFrames));
   for (const GroupResult& group : groups) {
-    if (group.cost.per_frame_s == 0) continue;
+    if (group.cost.per_frame_s == 0) continue;  // too few runs of different k
     text += cost_table(group) + cost_words(group);
   }
   return text;
@@ -198,7 +200,7 @@ std::string bench_markdown(const Groups& groups, const BenchOptions& options) {
       "minute. 120 frames each. Absolute speed-up: against the same kernels, lines and patches frame by "
       "frame (";
   for (const GroupResult& group : groups)
-    text += text_of("%s %s %.0f s", &group == &groups[0] ? "" : ",", group.name.c_str(), group.alone_s);
+    text += text_of("%s%s %.0f s", &group == &groups[0] ? "" : ", ", group.name.c_str(), group.alone_s);
   text += text_of(
       ", from %zu frames run so, times %u / %zu). Relative: against all frames solved at once. RMSE and "
       "errors: of "

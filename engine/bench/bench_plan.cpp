@@ -61,6 +61,7 @@ std::vector<BenchGroup> bench_plan(const BenchOptions& options) {
   BenchGroup garage = group_of("garage", "garage", "animation.json", lighting, options.quick);
   add_run(garage, "eps_0.1", LightingMode::paper, 0.1);
   add_run(garage, "eps_0.2", LightingMode::paper, 0.2);
+  add_run(garage, "eps_0.4", LightingMode::paper, 0.4);  // one more point for the cost
   add_run(garage, "default", LightingMode::standard);
 
   BenchGroup off = group_of("garage_off", "garage", "animation_light_off.json", lighting, options.quick);

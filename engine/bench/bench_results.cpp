@@ -38,7 +38,8 @@ CostFit fit_group(const GroupResult& group) {
   for (const RunResult& result : group.runs)
     if (result.run.key_frames.mode != api::LightingMode::standard)
       points.push_back({static_cast<double>(solved_frames(result.run.key_frames)), result.run.computation_s});
-  return fit_cost(points);
+  constexpr std::size_t kPointsMin = 3;  // through two every line fits
+  return points.size() < kPointsMin ? CostFit{} : fit_cost(points);
 }
 
 }  // namespace

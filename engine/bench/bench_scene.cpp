@@ -31,8 +31,9 @@ struct Probe {
   Vec3 point;  ///< [m]
 };
 
-// As api/examples/room/make_scene.py puts them; the wing's is half way out, where no fuselage is.
-constexpr std::array<Probe, 3> kProbes{Probe{"red_cube", {0, 0, 1}, {-1.5f, 0.5f, 1}},
+// As api/examples/room/make_scene.py puts them. Of the red cube's top the plane's shadow meets the corner
+// that is farthest from the lamp; the wing's patch is half way out, where no fuselage is.
+constexpr std::array<Probe, 3> kProbes{Probe{"red_cube", {0, 0, 1}, {-1.99f, 0.99f, 1}},
                                        Probe{"green_cube", {0, 1, 0}, {1.8f, -0.55f, 0.45f}},
                                        Probe{"plane", {0, 0, 1}, {0.035f, 0.385f, 0.014f}}};
 

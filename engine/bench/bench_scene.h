@@ -32,8 +32,9 @@ struct SceneNumbers {
 };
 SceneNumbers scene_numbers(const BenchScene& scene);
 
-/// The patches that figure 4 follows, in the room: the middle of the top of the red cube, of the front (+y)
-/// of the green cube, and of the top of the wing.
+/// The patches that figure 4 follows, in the room: a corner of the top of the red cube, which the plane's
+/// shadow crosses, the middle of the front (+y) of the green cube, where it never falls, and the top of the
+/// wing.
 inline constexpr std::array<const char*, 3> kProbeNames{"top of the red cube", "front of the green cube",
                                                         "top of the wing"};
 /// Error invalid_request where the scene is not the room.
