@@ -43,11 +43,14 @@ api::Json json_of(const GroupResult& group) {
 
 }  // namespace
 
-std::string bench_json(const std::vector<GroupResult>& groups, const BenchOptions& options) {
+std::string bench_json(const std::vector<GroupResult>& groups, const BenchOptions& options, double load) {
   api::Json list = api::Json::array();
   for (const GroupResult& group : groups) list.push_back(json_of(group));
-  return api::json_text(
-             {{"bench", "paper"}, {"quick", options.quick}, {"seed", options.seed}, {"groups", list}}) +
+  return api::json_text({{"bench", "paper"},
+                         {"quick", options.quick},
+                         {"seed", options.seed},
+                         {"load_per_core", load},
+                         {"groups", list}}) +
          "\n";
 }
 

@@ -26,6 +26,9 @@ std::string or_dash(double value, const std::string& text) {
   return value == 0 ? "-" : text;
 }
 
+/// Load per core beyond which times are not those of an idle machine.
+constexpr double kIdleLoad = 0.3;
+
 /// A column of a table: [P]'s where there is one, and ours.
 struct Column {
   const char* heading;
@@ -190,9 +193,14 @@ std::string cost_section(const Groups& groups) {
 
 }  // namespace
 
-std::string bench_markdown(const Groups& groups, const BenchOptions& options) {
+std::string bench_markdown(const Groups& groups, const BenchOptions& options, double load) {
   std::string text = "# Keylume and the paper it follows\n\n";
   if (options.quick) text += "**Quick: large patches and few lines. Nothing here is to be quoted.**\n\n";
+  if (load > kIdleLoad)
+    text += text_of(
+        "**Other programs were at work (load %.1f per core): times are too long, and their ratios "
+        "rough.**\n\n",
+        load);
   text +=
       "[P]: Besuievsky & Pueyo, *A Monte Carlo Method for Accelerating the Computation of Animated Radiosity "
       "Sequences*; their times are of a Pentium III at 450 MHz. Ours are medians where a run takes less than "

@@ -12,10 +12,10 @@ namespace engine {
 namespace {
 
 api::Status write_all(const std::vector<GroupResult>& groups, const BenchOptions& options,
-                      const std::string& markdown) {
+                      const std::string& markdown, double load) {
   const std::pair<const char*, std::string> files[] = {
       {"report.md", markdown},
-      {"report.json", bench_json(groups, options)},
+      {"report.json", bench_json(groups, options, load)},
       {"runs.csv", runs_csv(groups)},
       {"rmse.csv", rmse_csv(groups)},
       {"key_frames.csv", key_frames_csv(groups)},
@@ -38,14 +38,15 @@ std::filesystem::path this_program() {
 api::Status bench_paper(const BenchOptions& given, const std::filesystem::path& program) {
   BenchOptions options = given;
   if (options.examples_folder.empty()) options.examples_folder = KEYLUME_EXAMPLES;
+  const double load = load_per_core();
   std::vector<GroupResult> groups;
   std::string markdown;
   for (const BenchGroup& group : bench_plan(options)) {
     auto result = run_group(group, options, program);
     if (!result) return result.error();
     groups.push_back(std::move(*result));
-    markdown = bench_markdown(groups, options);
-    if (const auto s = write_all(groups, options, markdown); !s) return s;
+    markdown = bench_markdown(groups, options, load);
+    if (const auto s = write_all(groups, options, markdown, load); !s) return s;
   }
   const bool printed = std::fputs(markdown.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
   return printed ? api::Status(api::Done{}) : api::Error{api::Fault::internal, "cannot print the report"};

@@ -9,10 +9,11 @@
 namespace engine {
 
 /// report.md: [P]'s tables with ours beside them, and the cost against equations (1) and (2).
-std::string bench_markdown(const std::vector<GroupResult>& groups, const BenchOptions& options);
+/// `load`: load_per_core before the runs.
+std::string bench_markdown(const std::vector<GroupResult>& groups, const BenchOptions& options, double load);
 
 /// report.json: every number of every run.
-std::string bench_json(const std::vector<GroupResult>& groups, const BenchOptions& options);
+std::string bench_json(const std::vector<GroupResult>& groups, const BenchOptions& options, double load);
 
 std::string runs_csv(const std::vector<GroupResult>& groups);
 

@@ -34,6 +34,10 @@ struct GroupResult {
   double lines = 0;  ///< N
 };
 
+/// Other programs at work on this machine: load average over its cores, of the last minute; 0 where unknown.
+/// Ask before the first run: our own runs load it too.
+double load_per_core();
+
 const RunResult* find_run(const std::vector<GroupResult>& groups, const std::string& name);
 
 /// Runs a group's jobs and compares them. Tells each on standard error as it ends.
