@@ -25,7 +25,7 @@ struct JobSize {
   double crossings_per_line = 0;  ///< surfaces that a global line meets, on average
   double bounces = 1;             ///< iterations of the solution
   double pixels = 0;              ///< of all images in all frames
-  double image_samples = 0;       ///< rays through them
+  double image_samples = 0;       ///< rays through them that are traced
   double series = 1;              ///< of radiosity that become artefacts: itself, its error, groups
 };
 

@@ -23,37 +23,45 @@ double updates(const JobSize& size, double lines, double frames) {
   return lines * size.crossings_per_line * size.bounces * frames;
 }
 
+/// Its lines, coarse direct light, and the gathering of every frame.
+double estimate_pass_s(const JobSize& n, const MachinePace& m) {
+  if (n.coarse_patches == 0 || n.frames == 1) return 0.01;
+  return 8 * n.estimate_lines * m.line_s + 2 * n.coarse_patches * n.lights * n.light_samples * m.ray_s +
+         2.4 * updates(n, n.estimate_lines, n.frames) * m.update_s;
+}
+
+/// What moves is traced in every frame and solved as a difference in those that are solved, for each of the
+/// parts that the lines come in.
+double difference_s(const JobSize& n, const MachinePace& m) {
+  const double frames = n.frames + 3 * n.solved_frames;
+  return n.moving_share > 0 ? 47 * n.bounces * n.patches * frames * m.update_s : 0;
+}
+
 constexpr std::array kCosts{
     Cost{Stage::patches, true, [](auto& n, auto& m) { return (20 * n.facets + 2 * n.patches) * m.update_s; }},
-    // Its lines, coarse direct light, and the gathering of every frame.
-    Cost{Stage::estimate, true,
-         [](auto& n, auto& m) {
-           if (n.coarse_patches == 0) return 0.0;
-           return 2.0 * n.estimate_lines * m.line_s +
-                  0.5 * n.coarse_patches * n.lights * n.light_samples * m.ray_s +
-                  0.6 * updates(n, n.estimate_lines, n.frames) * m.update_s;
-         }},
-    Cost{Stage::keyframes, false,
-         [](auto& n, auto& m) { return 20 * n.coarse_patches * n.frames * m.update_s; }},
+    Cost{Stage::estimate, true, [](auto& n, auto& m) { return estimate_pass_s(n, m); }},
+    // Where noise leaves open which frames are keys, lines are added: some three times as many again.
+    Cost{Stage::keyframes, true, [](auto& n, auto& m) { return 3 * estimate_pass_s(n, m); }},
     Cost{Stage::direct, true,
          [](auto& n, auto& m) {
-           const double rays = 0.5 * n.patches * n.lights * n.light_samples;
-           return rays * (1.5 + 2 * n.moving_share) * m.ray_s +
-                  2 * n.patches * n.lights * n.frames * m.update_s;
+           const double rays = 1.5 * n.patches * n.lights * n.light_samples;
+           return rays * (1 + 0.06 * n.frames) * m.ray_s + 2 * n.patches * n.lights * n.frames * m.update_s;
          }},
+    // The scene at rest is solved once, whatever the frames.
     Cost{Stage::solve, true,
          [](auto& n, auto& m) {
-           const double windows = n.moving_share > 0 ? n.solved_frames / 64 : 0;
-           return (2.0 * n.lines + 1.5 * n.moving_lines * windows) * m.line_s +
-                  10 * n.lines * n.crossings_per_line * m.update_s +
-                  0.6 * updates(n, n.lines, n.solved_frames) * m.update_s;
+           return 0.28 + 1.6 * n.lines * m.line_s + 8 * n.lines * n.crossings_per_line * m.update_s +
+                  0.6 * updates(n, n.lines, 1) * m.update_s + difference_s(n, m);
          }},
     Cost{Stage::interpolate, false, [](auto& n, auto& m) { return 3 * n.patches * n.frames * m.update_s; }},
     Cost{Stage::images, true,
-         [](auto& n, auto& m) { return 2.5 * n.image_samples * m.ray_s + 60 * n.pixels * m.update_s; }},
+         [](auto& n, auto& m) {
+           if (n.pixels == 0) return 1e-3;
+           return 0.05 + 2 * n.image_samples * m.ray_s + 60 * n.pixels * m.update_s;
+         }},
     Cost{Stage::publish, false,
          [](auto& n, auto& m) {
-           return 0.01 + (6 * n.patches * n.frames * n.series + 1 * n.pixels) * m.update_s;
+           return 0.015 + (6 * n.patches * n.frames * n.series + 1 * n.pixels) * m.update_s;
          }},
 };
 
@@ -66,6 +74,9 @@ double series_bytes(double patches, double frames) {
   return kRgbBytes * patches * frames;
 }
 
+/// Lines are traced and solved in so many parts, one after the other.
+constexpr double kReplicatesHeld = 8;
+
 /// What a traced line keeps: its crossings, and the rows that are made of them.
 double traced_bytes(const JobSize& size, double lines) {
   return 16 * lines * size.crossings_per_line;
@@ -77,7 +88,7 @@ double estimate_bytes(const JobSize& n) {
 }
 double solve_bytes(const JobSize& n) {
   return series_bytes(n.patches, n.frames) + 3 * series_bytes(n.patches, n.solved_frames) +
-         traced_bytes(n, n.lines);
+         traced_bytes(n, n.lines / kReplicatesHeld);
 }
 double compose_bytes(const JobSize& n) {
   return (2 + n.series) * series_bytes(n.patches, n.frames) + series_bytes(n.patches, n.solved_frames);

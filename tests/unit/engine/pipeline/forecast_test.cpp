@@ -84,8 +84,8 @@ struct AJob {
 
 TEST(Forecast, OfACheckOrdersJobsByTheirWork) {
   const api::Forecast small = AJob(0.1, 100'000, 1).forecast();
-  const api::Forecast medium = AJob(0.1, 5'000'000, 1).forecast();
-  const api::Forecast large = AJob(0.01, 10'000'000, 100).forecast();
+  const api::Forecast medium = AJob(0.1, 20'000'000, 1).forecast();
+  const api::Forecast large = AJob(0.01, 60'000'000, 100).forecast();
   EXPECT_LT(2 * small.seconds, medium.seconds);
   EXPECT_LT(2 * medium.seconds, large.seconds);
   EXPECT_LT(small.memory_bytes, medium.memory_bytes);
