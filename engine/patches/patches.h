@@ -99,7 +99,7 @@ struct MeshOptions {
   double patch_edge_m = 0.175;  ///< > 0  [m]
   api::PatchLayout layout = api::PatchLayout::uniform;
 };
-inline constexpr double kCoarseEdge = 4, kFineEdge = 0.5;
+inline constexpr double kCoarseEdge = 2, kFineEdge = 0.25;
 static_assert(kCoarseEdge / kFineEdge <= kLatticeParts);
 
 /// Cuts every polygon into facets, and those into grid cells, none of them quartered. Lengths are those of

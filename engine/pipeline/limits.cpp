@@ -1,5 +1,6 @@
 #include "engine/pipeline/limits.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "engine/base/rgb.h"
@@ -76,7 +77,30 @@ api::Status check_series(std::uint64_t patches, std::uint32_t frames, std::uint6
                              "; choose a larger " + field + " or fewer frames")});
 }
 
+/// Counts the patches of the lighting.
+api::Result<PatchCount> check_fine_mesh(const api::JobRequest& request, const Scene& scene) {
+  const api::LightingOptions& lighting = request.lighting;
+  auto count = count_patches(scene, MeshOptions{lighting.patch_edge_m, lighting.patch_layout});
+  if (!count) return count.error();
+  const bool adaptive = lighting.patch_layout == api::PatchLayout::adaptive;
+  if (adaptive && count->patches > lighting.patch_count_max)
+    return refuse_if_any({too_much("/lighting/patch_count_max",
+                                   "the scene cuts into " + rounded(static_cast<double>(count->patches)) +
+                                       " patches at the coarsest, more than patch_count_max; choose a larger "
+                                       "patch_count_max or patch_edge_m")})
+        .error();
+  if (auto s = check_series(count->patches, request.frame_count, kSeriesBytesMax, "patch_edge_m"); !s)
+    return s.error();
+  if (adaptive) count->patches = std::max(count->patches, std::min(count->finest, patch_budget(request)));
+  return count;
+}
+
 }  // namespace
+
+std::uint64_t patch_budget(const api::JobRequest& request) {
+  const std::uint64_t held = kSeriesBytesMax / (sizeof(Rgb) * request.frame_count);
+  return std::min({request.lighting.patch_count_max, std::uint64_t{kPatchesMax}, held});
+}
 
 api::Status check_request_size(const api::JobRequest& request, std::size_t object_count) {
   std::vector<api::Violation> violations;
@@ -94,10 +118,8 @@ api::Status check_request_size(const api::JobRequest& request, std::size_t objec
 
 api::Result<MeshSizes> check_mesh_size(const api::JobRequest& request, const Scene& scene) {
   const api::LightingOptions& lighting = request.lighting;
-  const auto count = count_patches(scene, lighting.patch_edge_m);
+  const auto count = check_fine_mesh(request, scene);
   if (!count) return count.error();
-  if (auto s = check_series(count->patches, request.frame_count, kSeriesBytesMax, "patch_edge_m"); !s)
-    return s.error();
   if (lighting.mode == api::LightingMode::reference) return MeshSizes{*count, 0};  // it has no estimate
   const auto coarse = count_patches(scene, lighting.estimate_patch_edge_m);
   if (!coarse) return coarse.error();

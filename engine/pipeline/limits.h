@@ -31,14 +31,18 @@ inline constexpr double kImageSamplesMax = 2e11;
 /// Error out_of_resources with a violation in animation.json for each limit that is exceeded.
 api::Status check_request_size(const api::JobRequest& request, std::size_t object_count);
 
+/// Patches that the layout `adaptive` may use: patch_count_max, and no more than a run can hold.
+std::uint64_t patch_budget(const api::JobRequest& request);
+
 struct MeshSizes {
-  PatchCount fine;                   ///< of the lighting
+  PatchCount fine;                   ///< of the lighting; layout `adaptive`: the most it can come to
   std::uint64_t coarse_patches = 0;  ///< of the estimate; 0 where the mode has none
 };
 
 /// Counts the patches of the lighting and, where the mode has one, of the estimate.
 /// Errors: out_of_resources as above, where either is more than kPatchesMax or more than a run can hold in
-/// `request.frame_count` frames; invalid_request where no polygon has an area.
+/// `request.frame_count` frames (layout `adaptive`: at its coarsest, or more than patch_count_max);
+/// invalid_request where no polygon has an area.
 api::Result<MeshSizes> check_mesh_size(const api::JobRequest& request, const Scene& scene);
 
 }  // namespace engine

@@ -9,6 +9,7 @@
 #include "engine/pipeline/job_fingerprint.h"
 #include "engine/pipeline/limits.h"
 #include "engine/pipeline/publish.h"
+#include "engine/pipeline/refine_patches.h"
 #include "engine/pipeline/solve_sequence.h"
 #include "engine/pipeline/solved_checkpoint.h"
 #include "engine/pipeline/stage_clock.h"
@@ -72,6 +73,21 @@ void expect_forecast(StageClock& clock, const JobSize& size, const MachinePace& 
   });
 }
 
+/// As the layout says. Where it is `adaptive` the number of patches, of which only the most it can come to
+/// was known, is then told to `report` and in `size`.
+api::Result<Patches> cut_into_patches(const PreparedJob& job, const api::JobRequest& request,
+                                      const Progress& progress, JobSize& size, api::JobReport& report) {
+  if (request.lighting.patch_layout == api::PatchLayout::uniform)
+    return mesh_into_patches(job.scene, request.lighting.patch_edge_m);
+  auto refined = refine_patches(job.scene, job.animation, request.lighting, patch_budget(request), progress);
+  if (!refined) return refined.error();
+  size.patches = refined->patches.count();
+  for (auto& [name, value] : report.counts)
+    if (name == "patches") value = size.patches;
+  report.counts.emplace_back("refinement_shadow_rays", static_cast<double>(refined->shadow_rays));
+  return std::move(refined->patches);
+}
+
 /// Where nothing is to be kept, or the inputs cannot be told apart: none.
 Checkpoints open_checkpoints(const RunHooks& hooks, const std::filesystem::path& input_folder) {
   if (hooks.checkpoint_folder.empty()) return {};
@@ -106,11 +122,13 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
   Checkpoints checkpoints = open_checkpoints(hooks, input_folder);
   const auto job = prepare(request, input_folder, hooks.stop_requested, report);
   if (!job) return job.error();
-  expect_forecast(clock, job->size, forecast_job(*job, thread_count(), report));
+  const MachinePace pace = forecast_job(*job, thread_count(), report);
+  expect_forecast(clock, job->size, pace);
 
-  clock.begin(api::Stage::patches);
-  auto patches = mesh_into_patches(job->scene, request.lighting.patch_edge_m);
+  JobSize size = job->size;
+  auto patches = cut_into_patches(*job, request, clock.begin(api::Stage::patches), size, report);
   if (!patches) return patches.error();
+  expect_forecast(clock, size, pace);
   patches->texture_reflectance = texture_reflectance(job->scene, job->animation, *patches);
   const StaticRays static_rays(*patches, job->animation);
   const LitScene lit{job->scene, job->animation, *patches, static_rays};

@@ -173,19 +173,19 @@ TEST(Surfaces, FrontsComeFirstAndBacksFollowInTheSameOrder) {
     EXPECT_EQ(patches.patch_at(0, u, 0.4f, false), patches.patch_at(0, u, 0.4f, true) + facet.cell_count());
 }
 
-// 1 m is four fine edges of 0.25 m, and eight of half that.
+// Cells of 0.5 m are twice 0.25 m, and eight times a quarter of that.
 TEST(AdaptiveMesh, BeginsCoarseAndSaysHowOftenCellsMayBeQuartered) {
   Scene scene = scene_with(1, 1);
   add_polygon(scene, {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}});
   add_polygon(scene, {{0, 0, 1}, {1.2f, 0, 1}, {0, 1.2f, 1}});
   const auto patches = mesh_into_patches(scene, {0.25, api::PatchLayout::adaptive});
   ASSERT_TRUE(patches);
-  EXPECT_EQ(patches->facets[0].grid_u, 3u);
-  EXPECT_EQ(patches->facets[0].grid_v, 2u);
+  EXPECT_EQ(patches->facets[0].grid_u, 6u);
+  EXPECT_EQ(patches->facets[0].grid_v, 4u);
   EXPECT_EQ(levels_of(patches->facets[0], 0.25), 3u);
-  EXPECT_EQ(patches->facets[1].grid_u, 2u);            // 1.7 m in parts of 0.85
-  EXPECT_EQ(levels_of(patches->facets[1], 0.25), 3u);  // 0.106 m: two would leave 0.21
-  EXPECT_EQ(levels_of(patches->facets[0], 1.0), 1u);   // 1 m is one fine edge
+  EXPECT_EQ(patches->facets[1].grid_u, 4u);            // 1.7 m in parts of 0.42
+  EXPECT_EQ(levels_of(patches->facets[1], 0.25), 3u);  // 0.053 m: two would leave 0.106
+  EXPECT_EQ(levels_of(patches->facets[0], 1.0), 1u);   // halves are a quarter of 1 m
   EXPECT_EQ(levels_of(patches->facets[0], 3.0), 0u);
   const auto count = count_patches(scene, {0.25, api::PatchLayout::adaptive});
   EXPECT_EQ(count->patches, patches->count());

@@ -102,15 +102,15 @@ TEST(MeshSize, AMeshOfATrillionPatchesIsRefusedWithoutMakingIt) {
   EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/patch_edge_m");
 }
 
-// Coarse edges of 4 m: 250 x 250 cells, each of them 64 patches at most.
+// Coarse edges of 2 m: 500 x 500 cells, each of them 64 patches at most.
 TEST(MeshSize, TheAdaptiveLayoutIsRefusedWhereItsCoarsestMeshIsMoreThanAskedFor) {
   auto request = job_of(1);
   request.lighting.patch_layout = api::PatchLayout::adaptive;
   request.lighting.patch_edge_m = 1;
-  request.lighting.patch_count_max = 62'499;
+  request.lighting.patch_count_max = 249'999;
   request.lighting.estimate_patch_edge_m = 100;
   EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/patch_count_max");
-  request.lighting.patch_count_max = 62'500;
+  request.lighting.patch_count_max = 250'000;
   EXPECT_EQ(refused_at(check_mesh_size(request, field())), "accepted");
 }
 
@@ -122,8 +122,8 @@ TEST(MeshSize, TheAdaptiveLayoutCountsTheMostItCanComeTo) {
   request.lighting.estimate_patch_edge_m = 100;
   EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 30'000u);
   request.lighting.patch_count_max = 1'000'000;
-  EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 40'000u);  // all of them of 5 m
-  request.frame_count = 10'000;                                         // 1.25 GiB of 12 bytes each
+  EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 160'000u);  // all of them of 2.5 m
+  request.frame_count = 10'000;                                          // 1.25 GiB of 12 bytes each
   EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 11'184u);
   EXPECT_EQ(patch_budget(request), 11'184u);
 }
