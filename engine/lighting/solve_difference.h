@@ -46,8 +46,9 @@ api::Result<DifferenceLight> solve_difference(const WindowScene& window, const C
 ///
 ///     D_f = M_f (R_s + r_f) + Y_f
 ///
-/// swept twice, from the solved D_f interpolated: light that comes from or past moving objects is gathered in
-/// every frame, and of it only what has been to and fro twice is interpolated. Error: stopped.
+/// swept four times, from the solved D_f interpolated: light that comes from or past moving objects is
+/// gathered in every frame, and of it only what has been to and fro four times is interpolated. Error:
+/// stopped.
 api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& columns,
                                       const DifferenceLight& solved, api::Interpolation interpolation,
                                       const Progress& progress);
