@@ -65,6 +65,22 @@ class WorkerByHand(unittest.TestCase):
         self.assertEqual(stages, schema["properties"]["stage"]["enum"], "all of them, in the order of the contract")
         self.assertEqual(json.loads((folder / "report.json").read_text())["outcome"], "succeeded")
 
+    def test_a_forecast_is_of_the_right_size(self):
+        reports = []
+        for name, options in {"few": {"frames": 2}, "many": {"frames": 24, "line_count": 4_000_000}}.items():
+            folder = self.job_folder(name, **options)
+            checked = subprocess.run([WORKER, "check", str(folder)], capture_output=True, text=True, timeout=60)
+            self.assertEqual(checked.returncode, 0, checked.stderr)
+            forecast = json.loads((folder / "report.json").read_text())["forecast"]
+            self.assertIn(f"{forecast['memory_bytes'] >> 20} MiB", checked.stderr)
+            self.assertEqual(self.render(folder).returncode, 0)
+            taken = json.loads((folder / "report.json").read_text())
+            self.assertEqual(taken["forecast"]["patches"], forecast["patches"])
+            ratio = taken["peak_memory_bytes"] / forecast["memory_bytes"]
+            self.assertTrue(0.5 < ratio < 2, f"{name}: {ratio} of the memory forecast")
+            reports.append(forecast)
+        self.assertLess(2 * reports[0]["seconds"], reports[1]["seconds"])
+
     def test_sigterm_stops_it_within_a_second(self):
         for stage in ("direct", "solve", "images"):
             with self.subTest(stage=stage):
