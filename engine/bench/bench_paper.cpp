@@ -42,12 +42,14 @@ api::Status bench_paper(const BenchOptions& given, const std::filesystem::path& 
   std::vector<GroupResult> groups;
   std::string markdown;
   for (const BenchGroup& group : bench_plan(options)) {
+    if (!options.scene.empty() && options.scene != group.name) continue;
     auto result = run_group(group, options, program);
     if (!result) return result.error();
     groups.push_back(std::move(*result));
     markdown = bench_markdown(groups, options, load);
     if (const auto s = write_all(groups, options, markdown, load); !s) return s;
   }
+  if (groups.empty()) return api::Error{api::Fault::invalid_request, "there is no scene " + options.scene};
   const bool printed = std::fputs(markdown.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
   return printed ? api::Status(api::Done{}) : api::Error{api::Fault::internal, "cannot print the report"};
 }

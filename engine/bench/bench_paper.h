@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "api/result.h"
 
@@ -11,8 +12,9 @@ namespace engine {
 struct BenchOptions {
   std::filesystem::path out_folder = "keylume-bench";  ///< made
   std::filesystem::path examples_folder = {};          ///< with garage, room and office; empty: of the build
-  std::uint64_t seed = 1;                              ///< 0 .. 2^53 - 1
-  bool quick = false;  ///< large patches, few lines, each run once: to see that it works, not to quote
+  std::string scene = {};  ///< garage, garage_off, room or office; empty: all of them
+  std::uint64_t seed = 1;  ///< 0 .. 2^53 - 1
+  bool quick = false;      ///< large patches, few lines, each run once: to see that it works, not to quote
 };
 
 /// Runs the garage (every frame, Table 1 at .1 and .2, our default), the garage with a light off, the office

@@ -132,6 +132,8 @@ api::Result<Command> parse_bench(std::span<const std::string_view> words) {
   for (const Word& word : *split) {
     if (word.name == "--seed") {
       if (const auto s = take_number(word, 0, kSeedMax, command.options.seed); !s) return s.error();
+    } else if (word.name == "--scene" && !word.value.empty()) {
+      command.options.scene = word.value;
     } else if (word.name == "--out" && !word.value.empty()) {
       command.options.out_folder = word.value;
     } else if (word.name == "--examples" && !word.value.empty()) {
@@ -162,7 +164,7 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
 std::string usage_line() {
   return "usage: keylume render JOB_FOLDER [--threads N] [--checkpoint-seconds N] [--parent PID]\n"
          "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID]\n"
-         "       keylume bench paper [--out FOLDER] [--seed N] [--quick] [--examples FOLDER]\n"
+         "       keylume bench paper [--out FOLDER] [--scene NAME] [--seed N] [--quick] [--examples FOLDER]\n"
          "       keylume --help | --version\n";
 }
 
@@ -186,6 +188,7 @@ check    Reads the job, counts its patches and forecasts what a run takes; write
 bench    paper: runs the scenes of the paper that the method follows, prints its tables beside what comes
          out, and leaves report.md, report.json and tables for plots. Takes many minutes.
   --out FOLDER       where (keylume-bench)
+  --scene NAME       one of garage, garage_off, room, office; all of them when not given
   --seed N           of all runs (1)
   --quick            large patches and few lines: shows that it works, not how fast
   --examples FOLDER  with garage, room and office (those of the checkout it was built from)

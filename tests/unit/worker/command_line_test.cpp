@@ -45,11 +45,12 @@ TEST(CommandLine, CheckTakesItsLimits) {
 }
 
 TEST(CommandLine, BenchTakesItsOptionsAndQuickWithoutAValue) {
-  const auto command = parse({"bench", "paper", "--quick", "--out", "there", "--seed=7"});
+  const auto command = parse({"bench", "paper", "--quick", "--out", "there", "--scene", "room", "--seed=7"});
   ASSERT_TRUE(command) << command.error().message;
   const auto& options = std::get<engine::BenchCommand>(*command).options;
   EXPECT_TRUE(options.quick);
   EXPECT_EQ(options.out_folder, "there");
+  EXPECT_EQ(options.scene, "room");
   EXPECT_EQ(options.seed, 7u);
   EXPECT_EQ(options.examples_folder, "");
 }
