@@ -72,24 +72,25 @@ std::vector<double> check_errors(const LitScene& lit, const ReplicateMean& misse
 }
 
 bool split(KeyFrames& chosen, const std::vector<bool>& bad) {
-  std::vector<FrameIndex> keys = chosen.keys, checks;
+  const std::vector<FrameIndex> keys = std::move(chosen.keys), checks = std::move(chosen.checks);
+  chosen.keys = {keys.front()};
+  chosen.checks.clear();
   bool changed = false;
-  for (std::size_t c = 0; c < chosen.checks.size(); ++c) {
-    const FrameIndex check = chosen.checks[c];
-    if (!bad[c]) {
-      checks.push_back(check);
-      continue;
+  std::size_t next = 0;  // check
+  for (std::size_t k = 1; k < keys.size(); ++k) {
+    const std::size_t first = next;
+    while (next < checks.size() && checks[next] < keys[k]) ++next;
+    const bool is_bad =
+        std::any_of(bad.begin() + static_cast<std::ptrdiff_t>(first),
+                    bad.begin() + static_cast<std::ptrdiff_t>(next), [](bool b) { return b; });
+    for (std::size_t c = first; c < next; ++c) (is_bad ? chosen.keys : chosen.checks).push_back(checks[c]);
+    chosen.keys.push_back(keys[k]);
+    for (std::size_t c = first; is_bad && c <= next; ++c) {
+      const FrameIndex a = c == first ? keys[k - 1] : checks[c - 1], b = c == next ? keys[k] : checks[c];
+      for (const FrameIndex check : checks_between(a, b)) chosen.checks.push_back(check);
     }
-    const auto after = std::upper_bound(chosen.keys.begin(), chosen.keys.end(), check);
-    const FrameIndex a = *(after - 1), b = *after;
-    keys.push_back(check);
-    for (const auto& [from, to] : {std::pair{a, check}, std::pair{check, b}})
-      if (to - from > 1) checks.push_back(from + (to - from) / 2);
-    changed = true;
+    changed = changed || is_bad;
   }
-  std::sort(keys.begin(), keys.end());
-  chosen.keys = std::move(keys);
-  chosen.checks = std::move(checks);
   merge_solved(chosen);
   return changed;
 }

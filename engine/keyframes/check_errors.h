@@ -40,8 +40,8 @@ inline constexpr float kCheckSignificance = 5.0f;
 std::vector<double> check_errors(const LitScene& lit, const ReplicateMean& missed,
                                  const CheckedRadiosity& radiosity);
 
-/// Makes the checks of `bad` (one flag per check) keys, with a check in the middle of each half that has one.
-/// Returns whether anything changed. `chosen.solved` is brought up to date.
+/// Makes all checks of an interval keys where one of them is `bad` (one flag per check), and gives the parts
+/// checks of their own. Returns whether anything changed. `chosen.solved` is brought up to date.
 bool split(KeyFrames& chosen, const std::vector<bool>& bad);
 
 }  // namespace engine

@@ -90,7 +90,7 @@ api::Result<KeyFrames> by_interpolation_error(Estimator& estimator, const api::L
     if (open > std::max<std::size_t>(1, keys->size() / 10) && round < kEstimateRounds) continue;
     KeyFrames chosen;
     chosen.keys = recheck(search, kAim * options.tolerance, std::move(*keys));
-    chosen.checks = middles(chosen.keys);
+    chosen.checks = checks_of(chosen.keys);
     chosen.predicted_error = search.errors(chosen.keys);
     merge_solved(chosen);
     return chosen;
@@ -99,11 +99,18 @@ api::Result<KeyFrames> by_interpolation_error(Estimator& estimator, const api::L
 
 }  // namespace
 
-Frames middles(const Frames& keys) {
-  Frames middle;
+Frames checks_between(FrameIndex a, FrameIndex b) {
+  const FrameIndex length = b - a;
+  if (length < 2) return {};
+  if (length < kTwoChecks) return {a + length / 2};
+  return {a + length / 3, b - length / 3};
+}
+
+Frames checks_of(const Frames& keys) {
+  Frames checks;
   for (std::size_t k = 0; k + 1 < keys.size(); ++k)
-    if (keys[k + 1] - keys[k] > 1) middle.push_back(keys[k] + (keys[k + 1] - keys[k]) / 2);
-  return middle;
+    for (const FrameIndex check : checks_between(keys[k], keys[k + 1])) checks.push_back(check);
+  return checks;
 }
 
 void merge_solved(KeyFrames& chosen) {

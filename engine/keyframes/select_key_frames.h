@@ -10,7 +10,7 @@ namespace engine {
 
 struct KeyFrames {
   std::vector<api::FrameIndex> keys;    ///< increasing, first and last frame included
-  std::vector<api::FrameIndex> checks;  ///< mode `default`: the middle of each interval, solved as well
+  std::vector<api::FrameIndex> checks;  ///< mode `default`: frames of the intervals, solved as well
   std::vector<api::FrameIndex> solved;  ///< both, increasing
   std::vector<double> predicted_error;  ///< [frame] from the keys alone; empty where nothing predicts it
 };
@@ -32,8 +32,15 @@ inline constexpr int kEstimateRounds = 3;
 /// means over metres.
 inline constexpr double kAim = 0.75;
 
-/// The middle of each interval that has one.
-std::vector<api::FrameIndex> middles(const std::vector<api::FrameIndex>& keys);
+/// From this length on an interval is checked at two frames.
+inline constexpr std::uint32_t kTwoChecks = 6;
+
+/// The frames that check the interval between two keys: its middle where it has one, or, where it is long, a
+/// third and two thirds of the way: one frame in the middle misses what happens at the ends.
+std::vector<api::FrameIndex> checks_between(api::FrameIndex a, api::FrameIndex b);
+
+/// Those of all intervals.
+std::vector<api::FrameIndex> checks_of(const std::vector<api::FrameIndex>& keys);
 
 /// Fills `solved` from keys and checks.
 void merge_solved(KeyFrames& chosen);

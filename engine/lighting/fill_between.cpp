@@ -1,3 +1,4 @@
+#include <array>
 #include <numeric>
 
 #include "engine/interpolate/interpolate.h"
@@ -16,6 +17,22 @@ Columns every_slot(std::size_t slots) {
   return {std::move(all), static_cast<std::uint32_t>(slots)};
 }
 
+/// T_s s_f + Y_f, [patch][slot]: what no sweep changes.
+PatchSeries carried_in_every_slot(const WindowScene& window, const SampledOperator& sampled,
+                                  const Columns& all, const PatchSeries& at_columns,
+                                  const Interpolator& interpolator) {
+  const PatchSeries source = source_difference(window, all);
+  PatchSeries carried(source.patch_count, source.frame_count);
+  for_each_patch(carried.patch_count, {}, [&](PatchId patch) {
+    std::array<Rgb, kWindowMax> reflected;
+    interpolator.apply(at_columns.row(patch), reflected.data());
+    Rgb* row = carried.row(patch);
+    sampled.gather_at_rest(source, patch, row);
+    for (std::uint32_t slot = 0; slot < all.count(); ++slot) row[slot] += reflected[slot];
+  });
+  return carried;
+}
+
 }  // namespace
 
 api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& columns,
@@ -29,6 +46,7 @@ api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& 
 
   const Columns all = every_slot(window.frames.size());
   const SampledOperator sampled(window.lines);
+  const PatchSeries carried = carried_in_every_slot(window, sampled, all, solved.carried_w_m2, interpolator);
   PatchSeries radiosity(difference.patch_count, difference.frame_count);  // R_s + r: all that lines carry
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     // What no moving object changes is as it was after the first sweep.
@@ -47,7 +65,7 @@ api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& 
     const bool went_on = for_each_patch(radiosity.patch_count, progress, [&](PatchId patch) {
       if (is_done(patch)) return;
       Rgb* row = difference.row(patch);
-      interpolator.apply(solved.carried_w_m2.row(patch), row);
+      std::copy_n(carried.row(patch), all.count(), row);
       sampled.add_moving(radiosity, all, patch, row);
       for (std::uint32_t c = 0; c < columns.count(); ++c)
         row[columns.slot(c)] = solved.irradiance_w_m2.at(patch, c);

@@ -10,8 +10,8 @@
 
 namespace engine {
 
-/// Iterations end when what further ones would change of B is below this, relative to its mean. A frame is the
-/// sum of two solutions: B is within 1e-5 in all, with the rounding of sums.
+/// Iterations end when what further ones would change of B is below this, relative to its mean. A frame is
+/// the sum of two solutions: B is within 1e-5 in all, with the rounding of sums.
 inline constexpr double kIterationError = 4e-6;
 inline constexpr std::uint32_t kIterationsMax = 2000;
 

@@ -89,6 +89,9 @@ api::Result<DifferenceLight> solve_difference(const WindowScene& window, const C
     test.add(*std::max_element(changes.begin(), changes.end()), mean, light.convergence);
     progress.report(test.fraction(light.convergence));
   } while (!test.may_end(light.convergence));
+  for (std::size_t k = 0; k < r.values.size(); ++k) r.values[k] = r.values[k] - source.values[k];
+  for_each_patch(patches, {},
+                 [&](PatchId patch) { sampled.gather_at_rest(r, patch, light.carried_w_m2.row(patch)); });
   return light;
 }
 

@@ -21,14 +21,15 @@ struct WindowScene {
 /// Light that differs from the scene at rest: X_f = X_s + D_f  [W/m^2], [patch][column]
 struct DifferenceLight {
   PatchSeries irradiance_w_m2;  ///< D_f
-  /// Y_f = T_s r_f, the part of D_f that surfaces at rest send each other; 0 of patches that move. It is
-  /// smooth in time where D_f is not: what passes close by is in M_f.
+  /// Y_f = T_s (rho_f D_f): what surfaces at rest send each other of D_f after it was reflected once more; 0
+  /// of patches that move. It is smooth in time where D_f is not: what passes close by is in M_f, and the
+  /// borders of shadows are in the source, which is known in every frame.
   PatchSeries carried_w_m2;
   Convergence convergence;
 };
 
-/// r_f where D_f is 0: S_f + rho_f X_s - R_s, [patch][column]. What lines carry differs by
-/// r_f = R_f - R_s = S_f + rho_f (X_s + D_f) - R_s.
+/// r_f where D_f is 0: s_f = S_f + rho_f X_s - R_s, [patch][column]. What lines carry differs by
+/// r_f = R_f - R_s = s_f + rho_f D_f.
 PatchSeries source_difference(const WindowScene& window, const Columns& columns);
 
 /// Solves, in the slots of `columns`,
@@ -44,11 +45,11 @@ api::Result<DifferenceLight> solve_difference(const WindowScene& window, const C
 /// D_f in every slot of the window, from those that were solved (`columns`) and the interpolation of Y_f to
 /// every slot, [patch][slot]:
 ///
-///     D_f = M_f (R_s + r_f) + Y_f
+///     D_f = M_f R_f + T_s s_f + Y_f
 ///
-/// swept four times, from the solved D_f interpolated: light that comes from or past moving objects is
-/// gathered in every frame, and of it only what has been to and fro four times is interpolated. Error:
-/// stopped.
+/// swept four times, from the solved D_f interpolated. So what moving objects cut, receive and send, and the
+/// first bounce of what they change of the direct light, is gathered in every frame; interpolated is only
+/// what surfaces at rest have reflected at least twice. Error: stopped.
 api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& columns,
                                       const DifferenceLight& solved, api::Interpolation interpolation,
                                       const Progress& progress);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
+#include <span>
 
 #include "engine/interpolate/interpolate.h"
 #include "engine/keyframes/check_errors.h"
@@ -31,10 +33,10 @@ api::LightingOptions made_consistent(api::LightingOptions options) {
   return options;
 }
 
-bool load(const Checkpoints& checkpoints, KeyFrames& chosen) {
+bool load(const Checkpoints& checkpoints, KeyFrames& chosen, std::uint64_t& estimate_lines) {
   auto saved = checkpoints.load("key-frames");
   if (!saved || !saved->take(chosen.keys) || !saved->take(chosen.checks) ||
-      !saved->take(chosen.predicted_error))
+      !saved->take(chosen.predicted_error) || !saved->take(estimate_lines))
     return false;
   merge_solved(chosen);
   return true;
@@ -45,15 +47,22 @@ api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const std::vector<
                                          StageClock& clock, api::JobReport& report) {
   if (options.mode == api::LightingMode::reference) return all_frames(lit.animation.frame_count);
   KeyFrames saved;
-  if (load(checkpoints, saved)) return saved;
+  std::uint64_t lines = 0;
+  const auto count_lines = [&] { report.counts.emplace_back("estimate_lines", static_cast<double>(lines)); };
+  if (load(checkpoints, saved, lines)) {
+    count_lines();
+    return saved;
+  }
   auto estimator = Estimator::begin(lit.scene, lit.animation, lit.static_rays, groups, options,
                                     clock.begin(api::Stage::estimate));
   if (!estimator) return estimator.error();
   auto chosen = select_key_frames(*estimator, options, clock.begin(api::Stage::keyframes));
   if (!chosen) return chosen.error();
-  report.counts.emplace_back("estimate_lines", static_cast<double>(estimator->estimate().line_count));
-  (void)checkpoints.save("key-frames", {part_of_checkpoint(chosen->keys), part_of_checkpoint(chosen->checks),
-                                        part_of_checkpoint(chosen->predicted_error)});
+  lines = estimator->estimate().line_count;
+  count_lines();
+  (void)checkpoints.save("key-frames",
+                         {part_of_checkpoint(chosen->keys), part_of_checkpoint(chosen->checks),
+                          part_of_checkpoint(chosen->predicted_error), part_of_checkpoint(lines)});
   return chosen;
 }
 
@@ -89,10 +98,10 @@ void warn(const SolveCounts& counts, api::JobReport& report) {
 void observe(const KeyFrames& chosen, const std::vector<double>& errors, const api::LightingOptions& options,
              api::KeyFrameReport& report) {
   for (api::KeyFrameInterval& interval : report.intervals) {
-    const auto check = std::upper_bound(chosen.checks.begin(), chosen.checks.end(), interval.first);
-    if (check == chosen.checks.end() || *check >= interval.last) continue;
-    interval.observed_error = errors[static_cast<std::size_t>(check - chosen.checks.begin())];
-    interval.kept = *interval.observed_error <= options.tolerance;
+    for (std::size_t c = 0; c < chosen.checks.size(); ++c)
+      if (interval.first < chosen.checks[c] && chosen.checks[c] < interval.last)
+        interval.observed_error = std::max(interval.observed_error.value_or(0), errors[c]);
+    if (interval.observed_error) interval.kept = *interval.observed_error <= options.tolerance;
   }
 }
 
@@ -138,6 +147,14 @@ class Composer {
   const Frames& frames_;
   const Frames all_;
 };
+
+/// The groups of a job together have all its light.
+PatchSeries sum_of(std::span<const NamedSeries> groups) {
+  PatchSeries sum = groups[0].values_w_m2;
+  for (const NamedSeries& group : groups.subspan(1))
+    for (std::size_t k = 0; k < sum.values.size(); ++k) sum.values[k] += group.values_w_m2.values[k];
+  return sum;
+}
 
 std::string file_of_group(const std::string& name) {
   return "radiosity_" + (name.empty() ? "other" : name) + ".npy";
@@ -223,7 +240,13 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   keep_frames(all, indirect->frames, *lit_groups);
   const Composer composer(lit, options, *lit_groups, indirect->frames);
   SolvedSequence solved;
-  solved.radiosity_w_m2 = composer.radiosity(nullptr, indirect->irradiance_w_m2.mean());
+  std::vector<NamedSeries> of_name;
+  for (std::size_t n = 0; n < indirect->names.size(); ++n)
+    of_name.push_back({file_of_group(indirect->names[n]),
+                       composer.radiosity(&indirect->names[n], std::move(indirect->of_name[n]))});
+  // A cubic of a sum is not the sum of the cubics: where groups are asked for, they are what is interpolated.
+  solved.radiosity_w_m2 =
+      of_name.empty() ? composer.radiosity(nullptr, indirect->irradiance_w_m2.mean()) : sum_of(of_name);
   solved.key_frames = report_of(*chosen, options, lit.animation.frame_count);
   observe(*chosen, indirect->observed_error, options, solved.key_frames);
   if (indirect->irradiance_w_m2.count() > 1 && (options.standard_errors || options.target_error)) {
@@ -231,9 +254,7 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
     report_noise(lit, solved, error, options, report);
     if (options.standard_errors) solved.others.push_back({kStandardErrorFile, std::move(error)});
   }
-  for (std::size_t n = 0; n < indirect->names.size(); ++n)
-    solved.others.push_back({file_of_group(indirect->names[n]),
-                             composer.radiosity(&indirect->names[n], std::move(indirect->of_name[n]))});
+  std::move(of_name.begin(), of_name.end(), std::back_inserter(solved.others));
   return solved;
 }
 
