@@ -1,6 +1,11 @@
 #include "engine/lighting/sources.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "engine/animation/light_groups.h"
+#include "engine/base/sobol.h"
+#include "engine/lighting/gather.h"
 
 namespace engine {
 
@@ -22,9 +27,44 @@ std::vector<Rgb> reflectance_at_rest(const LitScene& lit) {
   return reflectance;
 }
 
+namespace {
+
+/// Two uniform numbers to a standard normal one. Source: Box & Muller, Ann. Math. Stat. 29(2), 1958.
+float normal(std::uint64_t stream) {
+  const double u = (static_cast<double>(stream >> 40) + 0.5) * 0x1p-24;
+  const double v = static_cast<double>(stream & 0xffffff) * 0x1p-24;
+  return static_cast<float>(std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v));
+}
+
+/// Mean over the frames of the variance of a patch, per channel.
+Rgb mean_variance(const PatchSeries& variance, PatchId patch) {
+  Rgb sum;
+  for (std::uint32_t k = 0; k < variance.frame_count; ++k) sum += variance.at(patch, k);
+  return sum * (1.0f / static_cast<float>(variance.frame_count));
+}
+
+}  // namespace
+
+std::vector<Rgb> noise_of_direct(const DirectLight& direct, std::uint32_t replicate, std::uint32_t replicates,
+                                 std::uint64_t seed) {
+  if (direct.variance.values.empty() || replicates < 2) return {};
+  std::vector<Rgb> noise(direct.variance.patch_count);
+  for_each_patch(direct.variance.patch_count, {}, [&](PatchId patch) {
+    const std::uint64_t stream = stream_seed(seed, patch);
+    float mean = 0;
+    for (std::uint32_t r = 0; r < replicates; ++r) mean += normal(stream_seed(stream, r));
+    const float z = normal(stream_seed(stream, replicate)) - mean / static_cast<float>(replicates);
+    const Rgb variance = mean_variance(direct.variance, patch);
+    const auto spread = [&](float v) { return z * std::sqrt(static_cast<float>(replicates) * v); };
+    noise[patch] = {spread(variance.r), spread(variance.g), spread(variance.b)};
+  });
+  return noise;
+}
+
 Rgb GroupSource::in_frame(const LitScene& lit, PatchId patch, FrameIndex frame) const {
   if (!direct) return lit.exitance(*emission, patch, frame);
-  return lit.reflectance(patch, frame) * direct_in_frame(patch, frame);
+  const Rgb noise = noise_w_m2.empty() ? Rgb{} : noise_w_m2[patch];
+  return lit.reflectance(patch, frame) * (direct_in_frame(patch, frame) + noise);
 }
 
 std::vector<Rgb> source_at_rest(const LitScene& lit, const GroupSource& source,
@@ -33,7 +73,9 @@ std::vector<Rgb> source_at_rest(const LitScene& lit, const GroupSource& source,
   for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
     if (!lit.at_rest(patch)) continue;
     if (source.direct)
-      at_rest[patch] = reflectance_at_rest[patch] * source.direct->at_rest_w_m2[patch];
+      at_rest[patch] =
+          reflectance_at_rest[patch] * (source.direct->at_rest_w_m2[patch] +
+                                        (source.noise_w_m2.empty() ? Rgb{} : source.noise_w_m2[patch]));
     else if (!lit.patches.is_back(patch))
       at_rest[patch] = mean_exitance(*source.emission, lit.material_of(patch));
   }

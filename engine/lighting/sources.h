@@ -17,6 +17,8 @@ struct GroupSource {
   const DirectLight* direct = nullptr;
   /// Position of a frame in `direct`: that of frame f is position[f]. Empty: it is f itself.
   std::span<const std::uint32_t> position = {};
+  /// Added to `direct`, in every frame and at rest, [patch]; or empty. See noise_of_direct.
+  std::span<const Rgb> noise_w_m2 = {};
 
   /// Irradiance from the lights; needs `direct`  [W/m^2]
   Rgb direct_in_frame(PatchId patch, FrameIndex frame) const {
@@ -25,6 +27,19 @@ struct GroupSource {
   /// S of B = S + rho T B in `frame`  [W/m^2]
   Rgb in_frame(const LitScene& lit, PatchId patch, FrameIndex frame) const;
 };
+
+/// Noise of direct light for one of `replicates`, [patch]; empty where its variance is not known  [W/m^2]:
+///
+///     eta_i,r = sqrt(R v_i) (z_i,r - mean_r z_i,r)
+///
+/// z are independent standard normals, the same for all channels and frames (samples are shared by the
+/// frames); v_i is the mean over the frames of the variance of the mean direct light.
+///
+/// Why: the replicates of lines share one direct light, so what its noise does to the light that is reflected
+/// would not be seen in their scatter. The noise of all replicates adds up to 0, light is linear, so their
+/// mean is what it would be without it; and its scatter over the replicates has the variance v_i in the mean.
+std::vector<Rgb> noise_of_direct(const DirectLight& direct, std::uint32_t replicate, std::uint32_t replicates,
+                                 std::uint64_t seed);
 
 /// S of the scene at rest, [patch]: with the mean over all frames of what emits and reflects; 0 of patches
 /// that move.

@@ -83,6 +83,7 @@ class IndirectSolver {
     const bool wants_errors = options_.standard_errors || options_.target_error;
     replicates_ = static_cast<std::uint32_t>((lines + kLinesPerReplicateMax - 1) / kLinesPerReplicateMax);
     replicates_ = std::max(replicates_, wants_errors ? kReplicatesMin : 1);
+    block_ = replicates_;
     static_lines_ = std::max<std::uint64_t>(1, lines / replicates_);
     moving_lines_ = std::clamp<std::uint64_t>(options_.moving_line_count / replicates_, 1, static_lines_);
     if (fills_between(options_)) frames_ = every_frame();
@@ -127,8 +128,21 @@ class IndirectSolver {
 
   std::uint64_t seed() const { return stream_seed(options_.seed, done_); }
 
+  /// Gives every group's source the noise of its direct light in this replicate. It adds up to 0 over each
+  /// block of as many replicates as were begun with.
+  void draw_noise() {
+    noise_.assign(groups_.size(), {});
+    if (options_.direct == api::DirectLight::pure) return;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const std::uint64_t stream = stream_seed(stream_seed(options_.seed, kNoiseStream + g), done_ / block_);
+      noise_[g] = noise_of_direct(groups_[g].direct, done_ % block_, block_, stream);
+      sources_[g].noise_w_m2 = noise_[g];
+    }
+  }
+
   api::Status add_replicate(const Progress& progress) {
     SolveCounts counts;
+    draw_noise();
     const auto rests =
         light_at_rest(lit_, sources_, {static_lines_, seed()}, counts, part_of(progress, 0, kRestShare));
     if (!rests) return rests.error();
@@ -287,8 +301,9 @@ class IndirectSolver {
     if (whole <= target) return;
     const double left = target * target - (whole * whole - lines * lines);  // for lines
     const double factor = left > 0 ? lines * lines / left : kReplicatesMax;
-    replicates_ = static_cast<std::uint32_t>(
+    const auto wanted = static_cast<std::uint32_t>(
         std::clamp<double>(std::ceil(1.05 * factor * replicates_), replicates_ + 1, kReplicatesMax));
+    replicates_ = (wanted + block_ - 1) / block_ * block_;
   }
 
   void save() {
@@ -328,6 +343,7 @@ class IndirectSolver {
 
   /// Shares of a replicate and of a window; progress only.
   static constexpr double kRestShare = 0.2, kTracingShare = 0.5;
+  static constexpr std::uint64_t kNoiseStream = 0x6e6f697365ull;
 
   const LitScene& lit_;
   const std::vector<LitGroup>& groups_;
@@ -336,9 +352,10 @@ class IndirectSolver {
   Checkpoints& checkpoints_;
   StageClock& clock_;
 
-  std::uint32_t done_ = 0, replicates_ = 0;
-  std::uint64_t static_lines_ = 0, moving_lines_ = 0;  ///< of one replicate
+  std::uint32_t done_ = 0, replicates_ = 0, block_ = 1;  ///< block_: replicates begun with
+  std::uint64_t static_lines_ = 0, moving_lines_ = 0;    ///< of one replicate
   std::vector<GroupSource> sources_;
+  std::vector<std::vector<Rgb>> noise_;  ///< [group], of sources_ in the replicate at work
   std::vector<std::uint32_t> position_;  ///< [frame], see GroupSource
   std::vector<std::string> names_;
   Frames frames_;
