@@ -1,0 +1,99 @@
+// A sequence whose solution is cut off, and goes on from its checkpoints to the same bytes.
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/engine/pipeline/solve_room.h"
+
+namespace engine {
+namespace {
+
+using namespace std::chrono_literals;
+using tests::quick_options;
+using tests::Solution;
+
+/// Checkpoints that are always due.
+Checkpoints checkpoints_in(const tests::TemporaryFolder& folder) {
+  return {folder.path() / "checkpoint", "this job", 0ms};
+}
+
+struct Attempt {
+  api::Result<Solution> solution;
+  long asked = 0;        ///< how often it asked whether to stop
+  long asked_early = 0;  ///< of these, before it came to the direct light: nothing is kept of that
+};
+
+/// One attempt that is told to stop when it asks for the `stop_at`th time; 0: never.
+Attempt attempt(const LitScene& lit, const api::LightingOptions& options,
+                const tests::TemporaryFolder& folder, long stop_at) {
+  std::atomic<long> asked = 0, asked_early = -1;
+  RunHooks hooks;
+  hooks.stop_requested = [&] { return ++asked >= stop_at && stop_at > 0; };
+  hooks.progress = [&](const api::ProgressLine& line) {
+    if (line.stage == api::Stage::direct && asked_early < 0) asked_early = asked.load();
+  };
+  Checkpoints checkpoints = checkpoints_in(folder);
+  auto solution = tests::try_to_solve(lit, options, checkpoints, hooks);
+  return {std::move(solution), asked, asked_early};
+}
+
+void expect_same(const Solution& a, const Solution& b) {
+  EXPECT_EQ(a.sequence.radiosity_w_m2.values, b.sequence.radiosity_w_m2.values);
+  ASSERT_EQ(a.sequence.others.size(), b.sequence.others.size());
+  for (std::size_t k = 0; k < a.sequence.others.size(); ++k) {
+    EXPECT_EQ(a.sequence.others[k].file, b.sequence.others[k].file);
+    EXPECT_EQ(a.sequence.others[k].values_w_m2.values, b.sequence.others[k].values_w_m2.values);
+  }
+  EXPECT_EQ(api::key_frame_report_json(a.sequence.key_frames),
+            api::key_frame_report_json(b.sequence.key_frames));
+  EXPECT_EQ(a.report.noise, b.report.noise);
+  EXPECT_EQ(a.report.counts, b.report.counts);
+  EXPECT_EQ(a.report.warnings, b.report.warnings);
+}
+
+/// Stops attempts at nine places between the beginning of the direct light and the end; after each a second
+/// attempt finds what the first left behind.
+void expect_same_when_resumed(const LitScene& lit, const api::LightingOptions& options) {
+  const tests::TemporaryFolder undisturbed;
+  const Attempt whole = attempt(lit, options, undisturbed, 0);
+  ASSERT_TRUE(whole.solution);
+  const long early = whole.asked_early;
+  int resumed = 0;
+  for (int k = 1; k < 10; ++k) {
+    const tests::TemporaryFolder folder;
+    Attempt first = attempt(lit, options, folder, early + std::max(1l, (whole.asked - early) * k / 10));
+    ASSERT_FALSE(first.solution) << k;
+    EXPECT_EQ(first.solution.error().fault, api::Fault::stopped);
+    const Attempt second = attempt(lit, options, folder, 0);
+    ASSERT_TRUE(second.solution) << k;
+    EXPECT_LT(second.asked, whole.asked + 1);
+    resumed += second.asked < whole.asked ? 1 : 0;
+    expect_same(*second.solution, *whole.solution);
+    if (::testing::Test::HasFailure()) return;
+  }
+  EXPECT_GT(resumed, 6) << "hardly anything was kept";
+}
+
+TEST(SolveSequenceResumed, GivesTheSameBytesInModeDefault) {
+  const tests::BlinkingRoom room(10);
+  api::LightingOptions options = quick_options();
+  options.light_groups = {{"lamps", {"lamp"}}};
+  expect_same_when_resumed(room.lit(), options);
+}
+
+TEST(SolveSequenceResumed, GivesTheSameBytesWhereEveryFrameIsSolved) {
+  const tests::BlinkingRoom room(6);
+  expect_same_when_resumed(room.lit(), quick_options(api::LightingMode::reference));
+}
+
+TEST(SolveSequenceResumed, GivesTheSameBytesWhereATargetErrorAddsPassesAndLines) {
+  const tests::BlinkingRoom room(4);
+  api::LightingOptions options = quick_options();
+  options.samples_per_light = 2;
+  options.target_error = 0.15;
+  expect_same_when_resumed(room.lit(), options);
+}
+
+}  // namespace
+}  // namespace engine

@@ -1,0 +1,285 @@
+#include "engine/pipeline/solve_sequence.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/lighting/compose.h"
+#include "engine/pipeline/frame_by_frame.h"
+#include "engine/pipeline/light_directly.h"
+#include "tests/unit/engine/pipeline/solve_room.h"
+
+namespace engine {
+namespace {
+
+using api::FrameKind;
+using api::LightingMode;
+using tests::BlinkingRoom;
+using tests::LitRoom;
+using tests::quick_options;
+using tests::Solution;
+using tests::solve;
+
+constexpr LightingMode kModes[] = {LightingMode::standard, LightingMode::paper, LightingMode::paper_literal,
+                                   LightingMode::reference, LightingMode::frame_by_frame};
+
+TEST(SolveSequence, HasStandardErrorsInEveryModeUnlessTheyAreNotAskedFor) {
+  const LitRoom room(6);
+  for (const LightingMode mode : kModes) {
+    api::LightingOptions options = quick_options(mode);
+    const Solution with = solve(room.lit(), options);
+    const PatchSeries* errors = standard_error_of(with.sequence);
+    ASSERT_TRUE(errors);
+    EXPECT_EQ(errors->patch_count, room.patches.count());
+    EXPECT_EQ(errors->frame_count, 6u);
+    const double mean = mean_radiosity(room.lit(), with.sequence.radiosity_w_m2);
+    EXPECT_NEAR(with.report.noise.value(), root_mean_square_error(room.lit(), *errors) / mean, 1e-6);
+    EXPECT_GT(*with.report.noise, 0.001);
+    EXPECT_FALSE(with.report.target_error);
+    options.standard_errors = false;
+    const Solution without = solve(room.lit(), options);
+    EXPECT_FALSE(standard_error_of(without.sequence));
+    EXPECT_TRUE(without.sequence.others.empty());
+    EXPECT_FALSE(without.report.noise);
+  }
+}
+
+TEST(SolveSequence, WhatIsNotThereIsDarkAndHasNoError) {
+  const LitRoom room(10);
+  for (const LightingMode mode : {LightingMode::standard, LightingMode::reference}) {
+    const Solution solution = solve(room.lit(), quick_options(mode));
+    const PatchSeries* errors = standard_error_of(solution.sequence);
+    ASSERT_TRUE(errors);
+    for (PatchId patch = 0; patch < room.patches.count(); ++patch)
+      for (FrameIndex f = 0; f < 10; ++f) {
+        const bool gone =
+            room.patches.facets[room.patches.facet_of[patch]].object == 2 && f != 2 && f != 3 && f != 7;
+        ASSERT_EQ(solution.sequence.radiosity_w_m2.at(patch, f) == Rgb{}, gone) << patch << " " << f;
+        if (gone) {
+          ASSERT_EQ(errors->at(patch, f), Rgb{});
+        }
+      }
+  }
+}
+
+TEST(SolveSequence, ATargetErrorIsMetByMoreLinesAndReported) {
+  const LitRoom room(5);
+  for (const LightingMode mode : {LightingMode::standard, LightingMode::reference}) {
+    api::LightingOptions options = quick_options(mode);
+    options.samples_per_light = 64;  // so that lines make most of the noise
+    options.line_count = options.moving_line_count = 2'000;
+    const double before = *solve(room.lit(), options).report.noise;
+    options.target_error = before / 3;
+    const Solution solution = solve(room.lit(), options);
+    EXPECT_EQ(solution.report.target_error, options.target_error);
+    EXPECT_EQ(solution.report.target_error_met, true);
+    EXPECT_LE(*solution.report.noise, *options.target_error);
+    EXPECT_GT(*solution.report.noise, 0.3 * *options.target_error) << "far more work than asked for";
+    EXPECT_GT(solution.count("lines"), 3 * 2'000);
+    EXPECT_TRUE(solution.report.warnings.empty());
+    // Without the artefact the noise is known all the same.
+    options.standard_errors = false;
+    const Solution quiet = solve(room.lit(), options);
+    EXPECT_TRUE(quiet.sequence.others.empty());
+    EXPECT_EQ(quiet.report.noise, solution.report.noise);
+    EXPECT_EQ(quiet.sequence.radiosity_w_m2.values, solution.sequence.radiosity_w_m2.values);
+  }
+}
+
+TEST(SolveSequence, ATargetErrorThatIsMetAtOnceChangesNothing) {
+  const LitRoom room(5);
+  api::LightingOptions options = quick_options();
+  const Solution plain = solve(room.lit(), options);
+  options.target_error = 1.0;
+  const Solution easy = solve(room.lit(), options);
+  EXPECT_EQ(easy.report.target_error_met, true);
+  EXPECT_EQ(easy.sequence.radiosity_w_m2.values, plain.sequence.radiosity_w_m2.values);
+}
+
+/// The groups of lights of `options` against the whole, which is up to 20 W/m^2.
+void expect_sum_of_groups(const tests::World& room, api::LightingOptions options) {
+  options.light_groups = {{"lamps", {"lamp"}}};
+  options.standard_errors = false;
+  const Solution solution = solve(room.lit(), options);
+  const PatchSeries *lamps = solution.series("radiosity_lamps.npy"),
+                    *other = solution.series("radiosity_other.npy");
+  ASSERT_TRUE(lamps && other);
+  double largest = 0;
+  for (std::size_t k = 0; k < lamps->values.size(); ++k) {
+    const Rgb whole = solution.sequence.radiosity_w_m2.values[k], sum = lamps->values[k] + other->values[k];
+    largest = std::max(largest, double{max_channel(lamps->values[k])});
+    ASSERT_NEAR(sum.r, whole.r, 1e-5 * std::max(1.0f, whole.r));
+    ASSERT_NEAR(sum.g, whole.g, 1e-5 * std::max(1.0f, whole.g));
+    ASSERT_NEAR(sum.b, whole.b, 1e-5 * std::max(1.0f, whole.b));
+  }
+  EXPECT_GT(largest, 1);
+}
+
+TEST(SolveSequence, GroupsOfLightsAddUpToTheWholeInModeDefault) {
+  const BlinkingRoom room(12);
+  for (const auto interpolation : {api::Interpolation::linear, api::Interpolation::monotone_cubic}) {
+    api::LightingOptions options = quick_options();
+    options.interpolation = interpolation;
+    options.tolerance = 0.3;  // leaves frames to interpolate
+    expect_sum_of_groups(room, options);
+  }
+}
+
+TEST(SolveSequence, GroupsOfLightsAddUpToTheWholeWhereEveryFrameIsSolved) {
+  const BlinkingRoom room(12);
+  expect_sum_of_groups(room, quick_options(LightingMode::reference));
+}
+
+TEST(SolveSequence, GroupsOfLightsAddUpToTheWholeWhereAllLightIsInterpolated) {
+  const BlinkingRoom room(12);
+  for (const auto interpolation : {api::Interpolation::linear, api::Interpolation::monotone_cubic}) {
+    api::LightingOptions options = quick_options();
+    options.interpolated = api::Interpolated::total;
+    options.interpolation = interpolation;
+    options.tolerance = 0.5;
+    expect_sum_of_groups(room, options);
+    options = quick_options(LightingMode::paper);
+    options.interpolation = interpolation;
+    options.epsilon = 1;
+    expect_sum_of_groups(room, options);
+  }
+}
+
+TEST(SolveSequence, GroupsOfLightsAddUpToTheWholeWhereLinesCarryEverything) {
+  const BlinkingRoom room(8);
+  api::LightingOptions options = quick_options();
+  options.direct = api::DirectLight::pure;
+  expect_sum_of_groups(room, options);
+}
+
+// Lines and samples of their own in 8 replicates: of the differences over their standard errors, which have
+// about 14 degrees of freedom, 1 % are beyond 3 by chance. Patches see each other and frames share their
+// noise, so that the count of such varies more than if they were independent; 5 % would be no chance. (With
+// a sample per replicate instead of 32 a patch may be shadowed in all of 8 by chance, and seem to be sure.)
+TEST(SolveSequence, FrameByFrameIsTheReferenceWithinTheNoise) {
+  const LitRoom room(8);
+  api::LightingOptions options = quick_options(LightingMode::reference);
+  options.samples_per_light = 256;
+  options.line_count = options.moving_line_count = 64'000;
+  const Solution reference = solve(room.lit(), options);
+  options.mode = LightingMode::frame_by_frame;
+  options.seed = 99;
+  const Solution alone = solve(room.lit(), options);
+  const PatchSeries &a = reference.sequence.radiosity_w_m2, &b = alone.sequence.radiosity_w_m2;
+  const PatchSeries &of_a = *standard_error_of(reference.sequence),
+                    &of_b = *standard_error_of(alone.sequence);
+  int beyond = 0, all = 0;
+  double sum_a = 0, sum_b = 0;
+  for (std::size_t k = 0; k < a.values.size(); ++k) {
+    const double noise = std::hypot(of_a.values[k].g, of_b.values[k].g);
+    sum_a += a.values[k].g;
+    sum_b += b.values[k].g;
+    if (noise == 0) continue;
+    ++all;
+    beyond += std::abs(double{a.values[k].g} - b.values[k].g) > 3 * noise ? 1 : 0;
+  }
+  EXPECT_GT(all, 400);
+  EXPECT_LT(beyond, 0.05 * all);
+  EXPECT_NEAR(sum_a / sum_b, 1, 3 * (*reference.report.noise + *alone.report.noise) / std::sqrt(8));
+}
+
+// The same lines, the same samples, and nothing that moves: nothing is left to differ.
+TEST(SolveSequence, OfAStaticSceneFrameByFrameIsTheReferenceExactly) {
+  const LitRoom moving(3);
+  const tests::World room(
+      moving.scene,
+      [&] {
+        Animation animation = tests::lit_room_animation(moving.scene, 3);
+        for (ObjectMotion& motion : animation.objects) motion.spans = {{0, 2, tests::moved_to(0, 0, 0.3)}};
+        return animation;
+      }(),
+      1.0);
+  const Solution reference = solve(room.lit(), quick_options(LightingMode::reference));
+  const Solution alone = solve(room.lit(), quick_options(LightingMode::frame_by_frame));
+  EXPECT_EQ(reference.sequence.radiosity_w_m2.values, alone.sequence.radiosity_w_m2.values);
+  EXPECT_EQ(standard_error_of(reference.sequence)->values, standard_error_of(alone.sequence)->values);
+}
+
+TEST(SolveSequence, TheReferenceSolvesEveryFrameAndInterpolatesNone) {
+  const LitRoom room(6);
+  const Solution solution = solve(room.lit(), quick_options(LightingMode::reference));
+  for (const api::FrameRecord& record : solution.sequence.key_frames.frames)
+    EXPECT_EQ(record.kind, FrameKind::key);
+  EXPECT_EQ(solution.count("key_frames"), 6);
+  EXPECT_EQ(solution.count("check_frames"), 0);
+}
+
+/// Largest difference from the reference, relative to max(B, half the mean B), in the frames of these kinds.
+double difference(const tests::World& room, const Solution& solution, const Solution& reference,
+                  bool solved) {
+  const PatchSeries &a = solution.sequence.radiosity_w_m2, &b = reference.sequence.radiosity_w_m2;
+  const double floor = 0.5 * mean_radiosity(room.lit(), b);
+  double largest = 0;
+  for (const api::FrameRecord& record : solution.sequence.key_frames.frames) {
+    if ((record.kind == FrameKind::interpolated) == solved) continue;
+    for (PatchId patch = 0; patch < a.patch_count; ++patch) {
+      const Rgb by = a.at(patch, record.frame) - b.at(patch, record.frame);
+      const double against = std::max(double{max_channel(b.at(patch, record.frame))}, floor);
+      largest = std::max(largest, std::max({std::abs(by.r), std::abs(by.g), std::abs(by.b)}) / against);
+    }
+  }
+  return largest;
+}
+
+// The reference has the same lines, so solved frames are those of the reference but for where iterations
+// end; frames between are off by what interpolation misses, which the report says is kept or not.
+TEST(SolveSequence, SolvedFramesAreThoseOfTheReferenceAndOthersNearThem) {
+  const LitRoom room(40);
+  api::LightingOptions options = quick_options();
+  options.standard_errors = false;
+  const Solution solution = solve(room.lit(), options);
+  options.mode = LightingMode::reference;
+  const Solution reference = solve(room.lit(), options);
+  EXPECT_LT(solution.count("key_frames") + solution.count("check_frames"), 40);
+  EXPECT_LT(difference(room, solution, reference, true), 1e-4);
+  bool kept = true;
+  for (const api::KeyFrameInterval& interval : solution.sequence.key_frames.intervals)
+    kept = kept && interval.kept.value_or(true);
+  const double missed = difference(room, solution, reference, false);
+  EXPECT_GT(missed, 1e-4);
+  EXPECT_TRUE(!kept || missed < 1.5 * options.tolerance) << missed;
+}
+
+// 300 frames are three windows that share frames 127 and 254; the reference's are of 128 without sharing.
+TEST(SolveSequence, WindowsOfManyFramesShareAKeyAndLeaveNoSeam) {
+  const Scene scene = tests::lit_room_scene(false);
+  Animation slow = tests::lit_room_animation(scene, 300);
+  slow.objects[1].spans.clear();
+  for (FrameIndex f = 0; f < 300; ++f)
+    slow.objects[1].spans.push_back({f, f, tests::moved_to(0.002 * f - 0.3, 0.1, 1.2)});
+  slow.objects[2].spans = {{0, 299, {}}};
+  const tests::World room(scene, slow, 1.5);
+  api::LightingOptions options = quick_options();
+  options.standard_errors = false;
+  options.line_count = options.moving_line_count = 30'000;
+  options.samples_per_light = 128;  // shadows that pass one of few samples come in steps
+  options.tolerance = 0.2;
+  const Solution solution = solve(room.lit(), options);
+  const auto& frames = solution.sequence.key_frames.frames;
+  EXPECT_EQ(frames[127].kind, FrameKind::key);
+  EXPECT_EQ(frames[254].kind, FrameKind::key);
+  EXPECT_LT(solution.count("key_frames"), 100);
+  options.mode = LightingMode::reference;
+  const Solution reference = solve(room.lit(), options);
+  EXPECT_LT(difference(room, solution, reference, true), 1e-4);
+  EXPECT_LT(difference(room, solution, reference, false), options.tolerance);
+  EXPECT_GT(difference(room, solution, reference, false), 1e-4);
+}
+
+TEST(SolveSequence, OneFrameIsEnough) {
+  const LitRoom room(1);
+  for (const LightingMode mode : kModes) {
+    const Solution solution = solve(room.lit(), quick_options(mode));
+    EXPECT_EQ(solution.sequence.radiosity_w_m2.frame_count, 1u);
+    EXPECT_GT(mean_radiosity(room.lit(), solution.sequence.radiosity_w_m2), 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace engine
