@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "engine/patches/grade.h"
 #include "engine/patches/patches.h"
 
 namespace engine {
@@ -43,25 +44,27 @@ CellCorners triangle_cell_corners(std::uint32_t n, std::uint32_t cell) {
   return {3, {u + step, u + step, u, 0}, {v, v + step, v + step, 0}};
 }
 
-/// The leaf that holds (u, v): of the lattice cell there, whose grid cell is a division by kLatticeParts.
-std::uint32_t leaf_at(const Facet& facet, float u, float v) {
+}  // namespace
+
+// The grid cell of a cell of the lattice is a division by kLatticeParts.
+LatticeSlot slot_at(const Facet& facet, float u, float v) {
   constexpr std::uint32_t n = kLatticeParts;
   if (!facet.is_triangle) {
     const std::uint32_t i = index_in(u, facet.grid_u * n), j = index_in(v, facet.grid_v * n);
-    return facet.trees[j / n * facet.grid_u + i / n].leaf_at(square_slot(i % n, j % n));
+    return {j / n * facet.grid_u + i / n, square_slot(i % n, j % n)};
   }
   const TriangleCell at = triangle_cell_at(facet.grid_u * n, u, v);
   const std::uint32_t i = at.column % n, j = at.row % n;
   const bool inverted = i + j + (at.inverted ? 1 : 0) >= n;
-  const std::uint32_t slot =
-      inverted ? triangle_slot(n - 1 - i, n - 1 - j, !at.inverted) : triangle_slot(i, j, at.inverted);
-  return facet.trees[TriangleCell{at.column / n, at.row / n, inverted}.number(facet.grid_u)].leaf_at(slot);
+  return {TriangleCell{at.column / n, at.row / n, inverted}.number(facet.grid_u),
+          inverted ? triangle_slot(n - 1 - i, n - 1 - j, !at.inverted) : triangle_slot(i, j, at.inverted)};
 }
 
-}  // namespace
-
 std::uint32_t cell_at(const Facet& facet, float u, float v) {
-  if (!facet.trees.empty()) return leaf_at(facet, u, v);
+  if (!facet.trees.empty()) {
+    const LatticeSlot at = slot_at(facet, u, v);
+    return facet.trees[at.grid_cell].leaf_at(at.slot);
+  }
   if (facet.is_triangle) return triangle_cell_at(facet.grid_u, u, v).number(facet.grid_u);
   return index_in(v, facet.grid_v) * facet.grid_u + index_in(u, facet.grid_u);
 }

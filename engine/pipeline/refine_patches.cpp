@@ -12,12 +12,13 @@
 #include "engine/base/parallel.h"
 #include "engine/base/sobol.h"
 #include "engine/direct/direct_light.h"
+#include "engine/patches/grade.h"
 #include "engine/visibility/ray_scene.h"
 
 namespace engine {
 namespace {
 
-/// Light of the quarters and its variance, of the frames that are lit together.  [bytes]
+/// Light of the quarters in the frames that are lit together.  [bytes]
 constexpr std::uint64_t kLitBytesMax = std::uint64_t{512} << 20;
 
 /// A child spreads like its parent where a shadow's edge passes both, on a quarter of the area; this many
@@ -91,20 +92,19 @@ class SpreadMeter {
     return material_reflectance(scene_, animation_, material, frame);
   }
 
-  /// Variance between the quarters less what their noise makes of it, relative; at least 0.
+  /// Variance between the quarters, relative.
   double squared_spread(Rgb rho, PatchId first, std::uint32_t k, const DirectLight& lit) const {
     double largest = 0, most = least_w_m2_;
     for (float Rgb::*channel : {&Rgb::r, &Rgb::g, &Rgb::b}) {
-      double sum = 0, squares = 0, noise = 0;
+      double sum = 0, squares = 0;
       for (PatchId quarter = first; quarter < first + 4; ++quarter) {
         const double value = lit.irradiance_w_m2.at(quarter, k).*channel;
         sum += value;
         squares += value * value;
-        noise += lit.variance.at(quarter, k).*channel;
       }
       const double mean = sum / 4, reflected = rho.*channel;
       most = std::max(most, reflected * mean);
-      largest = std::max(largest, reflected * reflected * (squares / 4 - mean * mean - 3.0 / 16 * noise));
+      largest = std::max(largest, reflected * reflected * (squares / 4 - mean * mean));
     }
     return most > 0 ? std::max(0.0, largest) / (most * most) : 0;
   }
@@ -136,14 +136,10 @@ class Refiner {
       const auto share = [](std::uint32_t l) { return l / static_cast<double>(kCellTreeLevels); };
       if (const auto s = weigh(now, level, part_of(progress_, share(level), share(level + 1))); !s)
         return s.error();
-      const double cutoff = choose();
+      const double cutoff = choose(patch_count_max_);
       now = next_candidates(level, cutoff);
     }
-    RefinedPatches refined{with_trees(coarse_), candidates_.size(), shadow_rays_};
-    for (const Candidate& candidate : candidates_)
-      if (candidate.quartered) quarter(candidate, refined.patches);
-    number_patches(refined.patches);
-    return refined;
+    return RefinedPatches{graded(), candidates_.size(), shadow_rays_};
   }
 
  private:
@@ -193,7 +189,7 @@ class Refiner {
   api::Result<DirectLight> light(const Patches& patches, std::span<const FrameIndex> frames,
                                  std::uint64_t stream, const Progress& progress) {
     auto lit = direct_light(patches, animation_, animation_.emission, static_rays_, frames,
-                            {kRefineSamples, 2, stream_seed(lighting_.seed, stream)}, progress);
+                            {kRefineSamples, 1, stream_seed(lighting_.seed, stream)}, progress);
     if (lit) shadow_rays_ += lit->shadow_rays;
     return lit;
   }
@@ -203,7 +199,7 @@ class Refiner {
     Patches trial = with_trees(coarse_);
     for (const std::uint32_t c : now) quarter(candidates_[c], trial);
     number_patches(trial);
-    const std::uint64_t per_frame = 2 * sizeof(Rgb) * std::uint64_t{trial.count()};
+    const std::uint64_t per_frame = sizeof(Rgb) * std::uint64_t{trial.count()};
     const std::size_t step = std::clamp<std::uint64_t>(kLitBytesMax / per_frame, 1, kWindowMax);
     for (std::size_t first = 0; first < frames_.size(); first += step) {
       const auto frames = std::span(frames_).subspan(first, std::min(step, frames_.size() - first));
@@ -242,7 +238,7 @@ class Refiner {
 
   /// Chooses anew among all that are known, the worthiest first, and a quarter only after what it is a
   /// quarter of. Where the patches ran out, the worth of the first left out; else 0.
-  double choose() {
+  double choose(std::uint64_t patch_count_max) {
     const auto less = [&](std::uint32_t a, std::uint32_t b) {
       return std::pair(candidates_[a].worth, b) < std::pair(candidates_[b].worth, a);
     };
@@ -258,12 +254,28 @@ class Refiner {
       Candidate& best = candidates_[queue.top()];
       queue.pop();
       count += coarse_.facets[best.facet].both_sides ? 6 : 3;
-      if (count > patch_count_max_) return best.worth;
+      if (count > patch_count_max) return best.worth;
       best.quartered = true;
       for (std::uint32_t q = 0; q < 4 && best.first_child != Candidate::kNone; ++q)
         offer(best.first_child + q);
     }
     return 0;
+  }
+
+  /// The mesh of those that were chosen. Grading it takes patches too: as many less are chosen as it takes
+  /// more than there may be.
+  Patches graded() {
+    for (std::uint64_t most = patch_count_max_;;) {
+      Patches patches = with_trees(coarse_);
+      (void)choose(most);
+      for (const Candidate& candidate : candidates_)
+        if (candidate.quartered) quarter(candidate, patches);
+      parallel_for(patches.facets.size(), [&](std::size_t f) { grade(patches.facets[f]); });
+      number_patches(patches);
+      if (patches.count() <= patch_count_max_) return patches;
+      const std::uint64_t beyond = std::max<std::uint64_t>(patches.count() - patch_count_max_, 6);
+      most = std::max<std::uint64_t>(coarse_.count(), most - std::min(most, beyond));
+    }
   }
 
   const Animation& animation_;

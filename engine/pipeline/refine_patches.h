@@ -24,18 +24,17 @@ struct RefinedPatches {
 /// quartered for less. A cell of patch_edge_m: for a spread of 4 %.  [-]
 inline constexpr double kSpread = 0.04;
 
-/// Shadow rays per quarter and light, in two independent sets: the scatter of the sets is taken off the
-/// spread, so that noise quarters nothing. With half as many, edges that cut off a quarter of a cell drown.
-inline constexpr std::uint32_t kRefineSamples = 8;
+/// Shadow rays per quarter and light. Their noise is taken for spread: there is some only where a light is
+/// partly hidden, which is where light changes; taken off, edges that cut off a corner of a cell drown in it.
+inline constexpr std::uint32_t kRefineSamples = 4;
 
 /// Begins with mesh_into_patches(scene, adaptive) and quarters cells, those first whose spread^2 (mean of all
 /// frames) x area per new patch is largest: that lowers the mean square difference between patches and light
 /// most. Ends where no cell is worth it, or `patch_count_max` patches would be exceeded. Each level's cells
 /// are lit as quarters in all frames; only those of cells that are worth quartering go on to the next.
-/// What is indirect has no say: it is smooth, and known only later.
-/// patch_count_max: 1 .. kPatchesMax
-/// Errors: out_of_resources with a violation at /lighting/patch_count_max where the coarse mesh alone is more
-/// than that; as mesh_into_patches; stopped.
+/// Cells beside small ones are then quartered too, see grade(). What is indirect has no say: it is smooth,
+/// and known only later. patch_count_max: 1 .. kPatchesMax Errors: out_of_resources with a violation at
+/// /lighting/patch_count_max where the coarse mesh alone is more than that; as mesh_into_patches; stopped.
 api::Result<RefinedPatches> refine_patches(const Scene& scene, const Animation& animation,
                                            const api::LightingOptions& lighting,
                                            std::uint64_t patch_count_max, const Progress& progress);

@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "engine/patches/grade.h"
 #include "engine/patches/patches.h"
 #include "tests/unit/engine/patches/random_trees.h"
 
@@ -165,6 +166,53 @@ TEST(NumberPatches, TreesThatQuarterNothingLeaveTheMeshAsItWas) {
   EXPECT_TRUE(patches.facets[0].trees.empty());
   EXPECT_EQ(patches.facet_of, before.facet_of);
   EXPECT_EQ(patches.area_m2, before.area_m2);
+}
+
+/// The largest ratio of sizes of two cells with a common edge: looked up beyond points all along it.
+std::uint32_t largest_ratio(const Facet& facet) {
+  const auto size = [&](std::uint32_t cell) {
+    const LeafCorners leaf = leaf_corners(facet, cell);
+    return std::max(leaf.at[0].i, leaf.at[1].i) - std::min(leaf.at[0].i, leaf.at[1].i);
+  };
+  std::uint32_t largest = 1;
+  for (std::uint32_t cell = 0; cell < facet.cell_count(); ++cell) {
+    const CellCorners corners = cell_corners(facet, cell);
+    float u = 0, v = 0;
+    for (std::uint32_t c = 0; c < corners.count; ++c) {
+      u += corners.u[c] / static_cast<float>(corners.count);
+      v += corners.v[c] / static_cast<float>(corners.count);
+    }
+    for (std::uint32_t c = 0; c < corners.count; ++c)
+      for (const float t : {0.06f, 0.3f, 0.45f, 0.7f, 0.94f}) {
+        const std::uint32_t next = (c + 1) % corners.count;
+        const float edge_u = corners.u[c] + t * (corners.u[next] - corners.u[c]);
+        const float edge_v = corners.v[c] + t * (corners.v[next] - corners.v[c]);
+        const float out_u = edge_u + 0.01f * (edge_u - u), out_v = edge_v + 0.01f * (edge_v - v);
+        if (out_u < 0 || out_v < 0 || (facet.is_triangle ? out_u + out_v : std::max(out_u, out_v)) > 1)
+          continue;
+        largest = std::max(largest, size(cell_at(facet, out_u, out_v)) / size(cell));
+      }
+  }
+  return largest;
+}
+
+TEST(Grade, NeighboursDifferByOneHalvingAtMostAndNothingIsJoined) {
+  std::mt19937 random(5);
+  std::uint32_t before_largest = 1;
+  for (int round = 0; round < 40; ++round) {
+    Patches patches = tests::one_facet(round % 2 == 0, 4, 3);
+    tests::quarter_at_random(patches, 3, 0.4, random);
+    Facet& facet = patches.facets[0];
+    if (facet.trees.empty()) continue;
+    const std::vector<CellTree> before = facet.trees;
+    before_largest = std::max(before_largest, largest_ratio(facet));
+    grade(facet);
+    number_patches(patches);
+    EXPECT_LE(largest_ratio(patches.facets[0]), 2u);
+    for (std::size_t cell = 0; cell < before.size(); ++cell)
+      EXPECT_EQ(before[cell].leaf_starts & ~facet.trees[cell].leaf_starts, 0u);
+  }
+  EXPECT_EQ(before_largest, 8u) << "nothing had to be done";
 }
 
 }  // namespace
