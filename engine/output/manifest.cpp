@@ -1,5 +1,5 @@
-#include "engine/output/artefacts.h"
 #include "engine/base/sha256.h"
+#include "engine/output/artefacts.h"
 
 namespace engine {
 namespace {

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "engine/output/npy.h"
 #include "engine/base/sha256.h"
+#include "engine/output/npy.h"
 #include "engine/output/zip_store.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/output/sample.h"
