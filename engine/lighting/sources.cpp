@@ -46,14 +46,17 @@ Rgb mean_variance(const PatchSeries& variance, PatchId patch) {
 }  // namespace
 
 std::vector<Rgb> noise_of_direct(const DirectLight& direct, std::uint32_t replicate, std::uint32_t replicates,
-                                 std::uint64_t seed) {
+                                 std::uint64_t seed, std::size_t group) {
   if (direct.variance.values.empty() || replicates < 2) return {};
+  constexpr std::uint64_t kStream = 0x6e6f697365ull;
+  const std::uint64_t of_block = stream_seed(stream_seed(seed, kStream + group), replicate / replicates);
   std::vector<Rgb> noise(direct.variance.patch_count);
   for_each_patch(direct.variance.patch_count, {}, [&](PatchId patch) {
-    const std::uint64_t stream = stream_seed(seed, patch);
+    const std::uint64_t stream = stream_seed(of_block, patch);
     float mean = 0;
     for (std::uint32_t r = 0; r < replicates; ++r) mean += normal(stream_seed(stream, r));
-    const float z = normal(stream_seed(stream, replicate)) - mean / static_cast<float>(replicates);
+    const float z =
+        normal(stream_seed(stream, replicate % replicates)) - mean / static_cast<float>(replicates);
     const Rgb variance = mean_variance(direct.variance, patch);
     const auto spread = [&](float v) { return z * std::sqrt(static_cast<float>(replicates) * v); };
     noise[patch] = {spread(variance.r), spread(variance.g), spread(variance.b)};

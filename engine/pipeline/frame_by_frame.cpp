@@ -29,12 +29,14 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
     if (!direct) return direct.error();
     groups[0].direct = std::move(*direct);
   }
-  const GroupSource source[] = {{&groups[0].group.emission, apart ? &groups[0].direct : nullptr}};
+  GroupSource source{&groups[0].group.emission, apart ? &groups[0].direct : nullptr};
   const std::uint32_t replicates = errors ? kReplicatesMin : 1;
   ReplicateMean arriving(lit.patches.count(), 1);
   for (std::uint32_t r = 0; r < replicates; ++r) {
+    const std::vector<Rgb> noise = noise_of_direct(groups[0].direct, r, replicates, options.seed, 0);
+    source.noise_w_m2 = noise;
     auto rest = light_at_rest(
-        lit, source,
+        lit, std::span(&source, 1),
         {std::max<std::uint64_t>(1, options.line_count / replicates), stream_seed(options.seed, r)}, counts,
         progress);
     if (!rest) return rest.error();

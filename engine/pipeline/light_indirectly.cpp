@@ -134,8 +134,7 @@ class IndirectSolver {
     noise_.assign(groups_.size(), {});
     if (options_.direct == api::DirectLight::pure) return;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      const std::uint64_t stream = stream_seed(stream_seed(options_.seed, kNoiseStream + g), done_ / block_);
-      noise_[g] = noise_of_direct(groups_[g].direct, done_ % block_, block_, stream);
+      noise_[g] = noise_of_direct(groups_[g].direct, done_, block_, options_.seed, g);
       sources_[g].noise_w_m2 = noise_[g];
     }
   }
@@ -343,7 +342,6 @@ class IndirectSolver {
 
   /// Shares of a replicate and of a window; progress only.
   static constexpr double kRestShare = 0.2, kTracingShare = 0.5;
-  static constexpr std::uint64_t kNoiseStream = 0x6e6f697365ull;
 
   const LitScene& lit_;
   const std::vector<LitGroup>& groups_;
