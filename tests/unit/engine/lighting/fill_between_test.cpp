@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "engine/interpolate/interpolate.h"
 #include "tests/unit/engine/lighting/lit_room.h"
@@ -93,6 +94,31 @@ TEST(FillBetween, GathersWhatMovesInEveryFrame) {
   for (const bool of_moving : {true, false})
     EXPECT_LT(difference(room, all, every.irradiance_w_m2, of_moving),
               0.2 * difference(room, interpolated, every.irradiance_w_m2, of_moving))
+        << of_moving;
+}
+
+// Direct light that is another in every frame, as under a shadow that passes: its first bounce is known in
+// every frame, and a random second bounce is small where the walls reflect a half.
+TEST(FillBetween, GathersTheFirstBounceOfDirectLightInEveryFrame) {
+  const LitRoom room(kFrames);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  DirectLight direct;
+  direct.irradiance_w_m2 = PatchSeries(room.patches.count(), kFrames);
+  direct.at_rest_w_m2.resize(room.patches.count());
+  for (Rgb& value : direct.irradiance_w_m2.values)
+    value = Rgb{1, 1, 1} * (uniform(random) < 0.2f ? 5.0f : 0.0f);
+  const SolvedRoom solved(room, {&room.animation.emission, &direct}, kLines, kLines);
+  const DifferenceLight every = solved.solve();
+  const std::vector<std::uint32_t> slots{0, 3, 6, 9};
+  const DifferenceLight some = solved.solve(tests::columns_of(slots, kFrames));
+  const PatchSeries interpolated = interpolate(
+      some.irradiance_w_m2,
+      Interpolator(std::vector<FrameIndex>{0, 3, 6, 9}, room.all_frames(), api::Interpolation::linear));
+  const PatchSeries all = filled(solved, slots);
+  for (const bool of_moving : {true, false})
+    EXPECT_LT(difference(room, all, every.irradiance_w_m2, of_moving),
+              0.5 * difference(room, interpolated, every.irradiance_w_m2, of_moving))
         << of_moving;
 }
 
