@@ -30,7 +30,7 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
     groups[0].direct = std::move(*direct);
   }
   GroupSource source{&groups[0].group.emission, apart ? &groups[0].direct : nullptr};
-  const std::uint32_t replicates = errors ? kReplicatesMin : 1;
+  const std::uint32_t replicates = replicates_of(options);
   ReplicateMean arriving(lit.patches.count(), 1);
   for (std::uint32_t r = 0; r < replicates; ++r) {
     const std::vector<Rgb> noise = noise_of_direct(groups[0].direct, r, replicates, options.seed, 0);

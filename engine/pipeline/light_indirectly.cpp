@@ -79,12 +79,9 @@ class IndirectSolver {
   }
 
   void prepare() {
-    const std::uint64_t lines = options_.line_count;
-    const bool wants_errors = options_.standard_errors || options_.target_error;
-    replicates_ = static_cast<std::uint32_t>((lines + kLinesPerReplicateMax - 1) / kLinesPerReplicateMax);
-    replicates_ = std::max(replicates_, wants_errors ? kReplicatesMin : 1);
+    replicates_ = replicates_of(options_);
     block_ = replicates_;
-    static_lines_ = std::max<std::uint64_t>(1, lines / replicates_);
+    static_lines_ = std::max<std::uint64_t>(1, options_.line_count / replicates_);
     moving_lines_ = std::clamp<std::uint64_t>(options_.moving_line_count / replicates_, 1, static_lines_);
     if (fills_between(options_)) frames_ = every_frame();
     place_direct();
@@ -366,6 +363,13 @@ class IndirectSolver {
 };
 
 }  // namespace
+
+std::uint32_t replicates_of(const api::LightingOptions& options) {
+  const bool wants_errors = options.standard_errors || options.target_error;
+  const auto needed =
+      static_cast<std::uint32_t>((options.line_count + kLinesPerReplicateMax - 1) / kLinesPerReplicateMax);
+  return std::max(needed, wants_errors ? kReplicatesMin : 1);
+}
 
 bool fills_between(const api::LightingOptions& options) {
   return options.mode == api::LightingMode::standard && options.interpolated == api::Interpolated::indirect;

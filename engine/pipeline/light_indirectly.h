@@ -18,6 +18,10 @@ namespace engine {
 /// Lines of one replicate at most: bounds the memory that lines take, whatever their number.
 inline constexpr std::uint64_t kLinesPerReplicateMax = 4'000'000;
 
+/// Replicates that a job begins with: kReplicatesMin where errors are asked for, and no fewer than its lines
+/// need.
+std::uint32_t replicates_of(const api::LightingOptions& options);
+
 /// Replicates at most, where a target error asks for more and more.
 inline constexpr std::uint32_t kReplicatesMax = 512;
 

@@ -34,15 +34,6 @@ api::Status refuse_if_any(std::vector<api::Violation> violations) {
   return api::Error{api::Fault::out_of_resources, std::move(message), std::move(violations)};
 }
 
-void check_lines(const api::LightingOptions& lighting, std::vector<api::Violation>& violations) {
-  const std::uint64_t bytes = lighting.line_count * kLineBytes;  // line_count is 1e9 at most
-  if (bytes <= kTracedBytesMax) return;
-  violations.push_back(too_much("/lighting/line_count", std::to_string(lighting.line_count) +
-                                                            " lines take about " + mebibytes(bytes) +
-                                                            ", more than " + mebibytes(kTracedBytesMax) +
-                                                            "; choose a smaller line_count"));
-}
-
 void check_images(const api::JobRequest& request, std::vector<api::Violation>& violations) {
   double samples = 0, most = 0;
   std::size_t largest = 0;
@@ -61,19 +52,19 @@ void check_images(const api::JobRequest& request, std::vector<api::Violation>& v
                                     "; choose a smaller width, height or samples_per_pixel"));
 }
 
-/// Of one mesh, whose edge is the field `field` of the lighting.
-api::Status check_series(std::uint64_t patches, std::uint32_t frames, std::uint64_t bytes_max,
+/// Of one mesh, whose edge is the field `field` of the lighting and of which a run holds `series`.
+api::Status check_series(std::uint64_t patches, std::uint32_t frames, std::uint64_t series,
                          const std::string& field) {
   const std::string pointer = "/lighting/" + field;
   if (patches > kPatchesMax)
     return refuse_if_any({too_much(pointer, "the scene cuts into " + rounded(static_cast<double>(patches)) +
                                                 " patches, more than " + std::to_string(kPatchesMax) +
                                                 "; choose a larger " + field)});
-  const std::uint64_t bytes = patches * frames * sizeof(Rgb);
-  if (bytes <= bytes_max) return api::Done{};
+  const std::uint64_t bytes = patches * frames * sizeof(Rgb) * series;
+  if (bytes <= kRunBytesMax) return api::Done{};
   return refuse_if_any(
       {too_much(pointer, std::to_string(patches) + " patches in " + std::to_string(frames) + " frames take " +
-                             mebibytes(bytes) + " of radiosity, more than " + mebibytes(bytes_max) +
+                             mebibytes(bytes) + ", more than " + mebibytes(kRunBytesMax) +
                              "; choose a larger " + field + " or fewer frames")});
 }
 
@@ -89,7 +80,7 @@ api::Result<PatchCount> check_fine_mesh(const api::JobRequest& request, const Sc
                                        " patches at the coarsest, more than patch_count_max; choose a larger "
                                        "patch_count_max or patch_edge_m")})
         .error();
-  if (auto s = check_series(count->patches, request.frame_count, kSeriesBytesMax, "patch_edge_m"); !s)
+  if (auto s = check_series(count->patches, request.frame_count, series_of_run(lighting), "patch_edge_m"); !s)
     return s.error();
   if (adaptive) count->patches = std::max(count->patches, std::min(count->finest, patch_budget(request)));
   return count;
@@ -97,8 +88,18 @@ api::Result<PatchCount> check_fine_mesh(const api::JobRequest& request, const Sc
 
 }  // namespace
 
+std::uint64_t series_of_run(const api::LightingOptions& lighting) {
+  const std::uint64_t named = lighting.light_groups.size();
+  return 4 * (named + 1) + 6 + 2 * named;
+}
+
+std::uint64_t series_of_estimate(const api::LightingOptions& lighting) {
+  return 17 * (lighting.light_groups.size() + 1) + 17;
+}
+
 std::uint64_t patch_budget(const api::JobRequest& request) {
-  const std::uint64_t held = kSeriesBytesMax / (sizeof(Rgb) * request.frame_count);
+  const std::uint64_t held =
+      kRunBytesMax / (series_of_run(request.lighting) * sizeof(Rgb) * request.frame_count);
   return std::min({request.lighting.patch_count_max, std::uint64_t{kPatchesMax}, held});
 }
 
@@ -111,7 +112,6 @@ api::Status check_request_size(const api::JobRequest& request, std::size_t objec
                                                   std::to_string(request.frame_count) +
                                                   " frames take more than " + std::to_string(kPosesMax) +
                                                   " poses; name fewer objects or choose fewer frames"));
-  check_lines(request.lighting, violations);
   check_images(request, violations);
   return refuse_if_any(std::move(violations));
 }
@@ -120,10 +120,12 @@ api::Result<MeshSizes> check_mesh_size(const api::JobRequest& request, const Sce
   const api::LightingOptions& lighting = request.lighting;
   const auto count = check_fine_mesh(request, scene);
   if (!count) return count.error();
-  if (lighting.mode == api::LightingMode::reference) return MeshSizes{*count, 0};  // it has no estimate
+  const bool has_estimate =
+      lighting.mode != api::LightingMode::reference && lighting.mode != api::LightingMode::frame_by_frame;
+  if (!has_estimate) return MeshSizes{*count, 0};
   const auto coarse = count_patches(scene, lighting.estimate_patch_edge_m);
   if (!coarse) return coarse.error();
-  if (auto s = check_series(coarse->patches, request.frame_count, kEstimateSeriesBytesMax,
+  if (auto s = check_series(coarse->patches, request.frame_count, series_of_estimate(lighting),
                             "estimate_patch_edge_m");
       !s)
     return s.error();

@@ -7,19 +7,18 @@
 
 namespace engine {
 
-/// Radiosity of all patches in all frames. Of such series a run holds at worst, where nearly every frame is
-/// solved, five while it composes the result: direct light and its columns of the solved frames, indirect
-/// light, what arrives in every frame and the radiosity; and three while it solves, with three more of a
-/// window of at most 64 frames. (Where few frames are solved: about three. Where all are: three.)  [bytes]
-inline constexpr std::uint64_t kSeriesBytesMax = std::uint64_t{5} << 28;
+/// What the series of radiosity (12 bytes per patch and frame) of a run may take together; lines take less
+/// than 1 GiB, since a replicate has at most kLinesPerReplicateMax.  [bytes]
+inline constexpr std::uint64_t kRunBytesMax = std::uint64_t{12} << 30;
 
-/// The same of the estimate, which holds eight: direct light, its replicates, and three of a window.  [bytes]
-inline constexpr std::uint64_t kEstimateSeriesBytesMax = std::uint64_t{1} << 30;
+/// Series that a run holds at once at most. With G solutions (the groups of lights that the job names, and
+/// the rest): direct light and its variance of each, 2 G; mean and scatter of the replicates, 2; a window's
+/// light, 2 G and 4 more; and of each named group its mean and what the replicate at work found, 2.
+std::uint64_t series_of_run(const api::LightingOptions& lighting);
 
-/// What a line's exchanges take while a window is traced: about 25 bytes per line and segment, so two or
-/// three segments each. Scenes of many surfaces behind each other take more.  [bytes]
-inline constexpr std::uint64_t kLineBytes = 64;
-inline constexpr std::uint64_t kTracedBytesMax = std::uint64_t{4} << 30;
+/// The same of the estimate, on its own patches: of each solution every replicate twice and direct light, and
+/// of the total every replicate, means, and what a window holds.
+std::uint64_t series_of_estimate(const api::LightingOptions& lighting);
 
 /// Objects and cameras times frames, some 100 bytes each. patches.npz then stays below its 4 GiB.
 inline constexpr std::uint64_t kPosesMax = 10'000'000;
@@ -27,7 +26,7 @@ inline constexpr std::uint64_t kPosesMax = 10'000'000;
 /// Rays through the pixels of all images of a job. One image has 64 Mi pixels at most by its edges.
 inline constexpr double kImageSamplesMax = 2e11;
 
-/// What needs no mesh: lines, poses, images. `object_count`: of the scene.
+/// What needs no mesh: poses, images. `object_count`: of the scene.
 /// Error out_of_resources with a violation in animation.json for each limit that is exceeded.
 api::Status check_request_size(const api::JobRequest& request, std::size_t object_count);
 

@@ -41,12 +41,10 @@ TEST(RequestSize, ADefaultJobIsAccepted) {
   EXPECT_EQ(refused_at(check_request_size(job_of(2000), 3)), "accepted");
 }
 
-TEST(RequestSize, LinesBeyondTheirMemoryAreRefused) {
+TEST(RequestSize, LinesHaveNoLimitButTheirSchemas) {
   auto request = job_of(1);
-  request.lighting.line_count = kTracedBytesMax / kLineBytes;
+  request.lighting.line_count = 1'000'000'000;
   EXPECT_EQ(refused_at(check_request_size(request, 1)), "accepted");
-  request.lighting.line_count += 1;
-  EXPECT_EQ(refused_at(check_request_size(request, 1)), "/lighting/line_count");
 }
 
 TEST(RequestSize, PosesOfObjectsAndCamerasAreCountedInAllFrames) {
@@ -70,20 +68,22 @@ TEST(RequestSize, SamplesOfAllImagesAreAddedAndTheLargestImageIsNamed) {
 
 TEST(RequestSize, EveryLimitThatIsExceededIsNamed) {
   auto request = job_of(2000);
-  request.lighting.line_count = 1'000'000'000;
   request.images.resize(1);
   request.images[0].width = request.images[0].height = 8192;
-  EXPECT_EQ(refused_at(check_request_size(request, 100'000)), "/objects /lighting/line_count /images/0");
+  EXPECT_EQ(refused_at(check_request_size(request, 100'000)), "/objects /images/0");
 }
 
 TEST(MeshSize, PatchesTimesFramesAreRefusedBeyondTheMemoryOfASeries) {
   auto request = job_of(100);
-  request.lighting.patch_edge_m = 1;  // 1,000,000 patches x 100 frames x 12 bytes = 1144 MiB
+  request.lighting.patch_edge_m = 1;  // 1,000,000 patches x 100 frames x 12 bytes x 10 series = 11.2 GiB
   request.lighting.estimate_patch_edge_m = 100;
   const auto count = check_mesh_size(request, field());
   EXPECT_EQ(refused_at(count), "accepted");
   EXPECT_EQ(count->fine.patches, 1'000'000u);
-  request.frame_count = 112;  // 1281.7 MiB
+  request.lighting.light_groups = {{"lamps", {"lamp"}}};  // 16 series
+  EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/patch_edge_m");
+  request.lighting.light_groups.clear();
+  request.frame_count = 108;  // 12.07 GiB
   EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/patch_edge_m");
 }
 
@@ -123,9 +123,9 @@ TEST(MeshSize, TheAdaptiveLayoutCountsTheMostItCanComeTo) {
   EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 30'000u);
   request.lighting.patch_count_max = 1'000'000;
   EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 160'000u);  // all of them of 2.5 m
-  request.frame_count = 10'000;                                          // 1.25 GiB of 12 bytes each
-  EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 11'184u);
-  EXPECT_EQ(patch_budget(request), 11'184u);
+  request.frame_count = 10'000;                                          // 12 GiB of 10 x 12 bytes each
+  EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 10'737u);
+  EXPECT_EQ(patch_budget(request), 10'737u);
 }
 
 }  // namespace
