@@ -1,11 +1,13 @@
 #include "api/json/names.h"
 
 #include <algorithm>
+#include <array>
 
 namespace api {
 namespace {
 
-constexpr std::string_view kTakenGroupName = "se";
+/// Of radiosity_se.npy, the standard errors, and radiosity_other.npy, the lights of no group.
+constexpr std::array<std::string_view, 2> kTakenGroupNames{"se", "other"};
 
 /// 1 to 64 ASCII letters, digits, and signs among `signs`.
 bool is_file_name(std::string_view name, std::string_view signs) {
@@ -37,8 +39,9 @@ bool is_group_name(const Node& node, std::string_view name) {
     add_violation(node, "bad_name", "must be named with 1 to 64 letters, digits, '_' or '-'");
     return false;
   }
-  if (name != kTakenGroupName) return true;
-  add_violation(node, "bad_name", "must not be named \"se\": radiosity_se.npy holds the standard errors");
+  if (std::find(kTakenGroupNames.begin(), kTakenGroupNames.end(), name) == kTakenGroupNames.end())
+    return true;
+  add_violation(node, "bad_name", "must not be named \"se\" or \"other\": such files hold something else");
   return false;
 }
 

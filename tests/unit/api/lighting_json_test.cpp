@@ -100,7 +100,7 @@ TEST(LightGroups, HaveEveryLightOnce) {
 // Their names become names of files.
 TEST(LightGroups, HaveNamesThatFitIntoFileNames) {
   for (const std::string name :
-       {"..", "../x", "a/b", "a.b", "a b", "ü", "", "se", std::string(65, 'a').c_str()})
+       {"..", "../x", "a/b", "a.b", "a b", "ü", "", "se", "other", std::string(65, 'a').c_str()})
     EXPECT_EQ(lighting_refusals(R"("light_groups":{")" + name + R"(":["lamp"]})").size(), 1u) << name;
   for (const std::string name : {"Se", "see", "-", "7"})
     EXPECT_EQ(lighting_refusals(R"("light_groups":{")" + name + R"(":["lamp"]})"), List{}) << name;
