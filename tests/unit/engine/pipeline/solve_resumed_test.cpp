@@ -3,6 +3,8 @@
 
 #include <atomic>
 
+#include "engine/animation/light_groups.h"
+#include "engine/keyframes/select_key_frames.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/engine/pipeline/solve_room.h"
 
@@ -52,27 +54,28 @@ void expect_same(const Solution& a, const Solution& b) {
   EXPECT_EQ(a.report.warnings, b.report.warnings);
 }
 
-/// Stops attempts at nine places between the beginning of the direct light and the end; after each a second
-/// attempt finds what the first left behind.
-void expect_same_when_resumed(const LitScene& lit, const api::LightingOptions& options) {
+/// Stops attempts at `places` between the beginning of the direct light and the end; after each a second
+/// attempt finds what the first left behind. Answers the undisturbed solution.
+Solution expect_same_when_resumed(const LitScene& lit, const api::LightingOptions& options, int places = 5) {
   const tests::TemporaryFolder undisturbed;
-  const Attempt whole = attempt(lit, options, undisturbed, 0);
-  ASSERT_TRUE(whole.solution);
+  Attempt whole = attempt(lit, options, undisturbed, 0);
+  EXPECT_TRUE(whole.solution);
   const long early = whole.asked_early;
   int resumed = 0;
-  for (int k = 1; k < 10; ++k) {
+  for (int k = 1; k <= places; ++k) {
     const tests::TemporaryFolder folder;
-    Attempt first = attempt(lit, options, folder, early + std::max(1l, (whole.asked - early) * k / 10));
-    ASSERT_FALSE(first.solution) << k;
-    EXPECT_EQ(first.solution.error().fault, api::Fault::stopped);
+    Attempt first =
+        attempt(lit, options, folder, early + std::max(1l, (whole.asked - early) * k / (places + 1)));
+    EXPECT_TRUE(!first.solution && first.solution.error().fault == api::Fault::stopped) << k;
     const Attempt second = attempt(lit, options, folder, 0);
-    ASSERT_TRUE(second.solution) << k;
+    EXPECT_TRUE(second.solution) << k;
     EXPECT_LT(second.asked, whole.asked + 1);
     resumed += second.asked < whole.asked ? 1 : 0;
     expect_same(*second.solution, *whole.solution);
-    if (::testing::Test::HasFailure()) return;
+    if (::testing::Test::HasFailure()) break;
   }
-  EXPECT_GT(resumed, 6) << "hardly anything was kept";
+  EXPECT_GT(resumed, places * 2 / 3) << "hardly anything was kept";
+  return std::move(*whole.solution);
 }
 
 TEST(SolveSequenceResumed, GivesTheSameBytesInModeDefault) {
@@ -93,6 +96,30 @@ TEST(SolveSequenceResumed, GivesTheSameBytesWhereATargetErrorAddsPassesAndLines)
   options.samples_per_light = 2;
   options.target_error = 0.15;
   expect_same_when_resumed(room.lit(), options);
+}
+
+// The estimate's patches of 3 m do not see what the solution's of half a metre do.
+TEST(SolveSequenceResumed, GivesTheSameBytesWhereIntervalsAreSplit) {
+  const tests::PassingRoom room;
+  api::LightingOptions options = quick_options();
+  options.estimate_patch_edge_m = 3;
+  options.estimate_line_count = 20'000;
+  options.line_count = options.moving_line_count = 100'000;
+  options.samples_per_light = 64;
+  options.tolerance = 0.02;
+  const Solution solution = expect_same_when_resumed(room.lit(), options, 3);
+
+  const auto groups = light_groups(room.scene, room.animation, {}, kScaledGroupsMax);
+  auto estimator =
+      Estimator::begin(room.scene, room.animation, room.static_rays, groups, options, Progress{});
+  ASSERT_TRUE(estimator);
+  const auto chosen = select_key_frames(*estimator, options, Progress{});
+  ASSERT_TRUE(chosen);
+  EXPECT_GT(solution.count("key_frames"), static_cast<double>(chosen->keys.size())) << "nothing was split";
+  for (const api::KeyFrameInterval& interval : solution.sequence.key_frames.intervals) {
+    EXPECT_EQ(interval.kept, true);
+    EXPECT_LE(interval.observed_error.value_or(0), options.tolerance);
+  }
 }
 
 }  // namespace

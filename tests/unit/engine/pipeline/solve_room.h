@@ -67,4 +67,17 @@ struct BlinkingRoom : World {
   explicit BlinkingRoom(engine::FrameIndex frames) : World(lit_room_scene(false), blinking(frames), 1.0) {}
 };
 
+/// The lit room at half a metre, 40 frames in which object 1 goes straight past and nothing else moves.
+struct PassingRoom : World {
+  static engine::Animation passing() {
+    engine::Animation animation = lit_room_animation(lit_room_scene(false), 40);
+    animation.objects[1].spans.clear();
+    for (engine::FrameIndex f = 0; f < 40; ++f)
+      animation.objects[1].spans.push_back({f, f, moved_to(-0.9 + 0.045 * f, -0.6, 1.0)});
+    animation.objects[2].spans = {{0, 39, {}}};
+    return animation;
+  }
+  PassingRoom() : World(lit_room_scene(false), passing(), 0.5) {}
+};
+
 }  // namespace tests
