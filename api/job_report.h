@@ -24,9 +24,9 @@ enum class FrameKind {
 struct FrameRecord {
   FrameIndex frame = 0;
   FrameKind kind = FrameKind::interpolated;
-  /// Relative interpolation error predicted for this frame by the estimate: what of it stands out of the
-  /// estimate's noise by more than 4 standard errors, so 0 also where noise hides it. 0 for solved frames.
-  /// Not known: none (Table 1 predicts no error).
+  /// Relative interpolation error that the estimate predicts for this frame, from the keys it chose alone and
+  /// by the mean of its replicates, their noise included. 0 for solved frames. Not known: none (Table 1
+  /// predicts no error).
   std::optional<double> error;
 };
 
@@ -35,11 +35,12 @@ struct FrameRecord {
 struct KeyFrameInterval {
   FrameIndex first = 0;
   FrameIndex last = 0;
-  /// On the coarse estimate, largest over the frames between; less 4 standard errors of the estimate's noise,
-  /// at least 0.
+  /// On the coarse estimate, largest over the frames between, by the mean of its replicates; from the keys it
+  /// chose, so where the solution has split an interval that of the frames before it was split.
   std::optional<double> predicted_error;
   /// On the patches of the solution, largest at the frames that were solved to check it, of having left them
-  /// out; with the interpolation that was used.
+  /// out; with the interpolation that was used. Where there are replicates: what of it stands out of their
+  /// noise by more than 5 standard errors, so 0 also where noise hides it.
   std::optional<double> observed_error;
   /// Is what was promised kept, as far as can be told: observed_error where there is one, else
   /// predicted_error, within the tolerance? Not known in modes that promise nothing.

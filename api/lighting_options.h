@@ -30,12 +30,12 @@ enum class Table1Metric {
 /// How values between two key-frames are found.
 enum class Interpolation {
   linear,
-  monotone_cubic,  ///< PCHIP: cubic Hermite with Fritsch-Carlson slopes; no overshoot
+  monotone_cubic,  ///< PCHIP: cubic Hermite with the slopes of Fritsch and Butland; no overshoot
 };
 
 /// What is interpolated.
 enum class Interpolated {
-  indirect,  ///< static transport of indirect light; all the rest is computed in every frame
+  indirect,  ///< what surfaces at rest reflect of it a second time and on; all else is of every frame
   total,     ///< all radiosity, as in Besuievsky & Pueyo; modes `paper` and `paper-literal` always do
 };
 
@@ -66,7 +66,8 @@ struct LightingOptions {
 
   /// Instead of line counts: lines and shadow rays are added until the noise of the radiosity, its
   /// area-weighted root mean square standard error over the mean B of the patches that do not emit, is at
-  /// most this. The counts above are then what is begun with.  [-] 1e-4 .. 1; none: not asked for
+  /// most this. The counts above are then what is begun with; in mode `frame-by-frame` they stay, and it is
+  /// only said whether they were enough.  [-] 1e-4 .. 1; none: not asked for
   std::optional<double> target_error;
 
   /// Artefact radiosity_se.npy: the standard error of every patch and frame.
@@ -103,8 +104,9 @@ struct LightingOptions {
   Interpolation interpolation = Interpolation::linear;
   Interpolated interpolated = Interpolated::indirect;
 
-  /// Names of emitting materials and of lights, by name of group: 1 to 64 of A-Z a-z 0-9 _ -, not "se". Each
-  /// group's radiosity is an artefact, radiosity_<name>.npy; "" has the rest. At most 8; no light is in two.
+  /// Names of emitting materials and of lights, by name of group: 1 to 64 of A-Z a-z 0-9 _ -, not "se"
+  /// or "other". Each group's radiosity is an artefact, radiosity_<name>.npy; radiosity_other.npy has the
+  /// rest. At most 8; no light is in two.
   std::map<std::string, std::vector<std::string>> light_groups;
 
   /// The same job and seed give the same bytes, whatever the thread count.  0 .. 2^53 - 1
