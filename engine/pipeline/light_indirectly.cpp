@@ -1,6 +1,7 @@
 #include "engine/pipeline/light_indirectly.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -66,7 +67,9 @@ class IndirectSolver {
       const Progress part = part_of(progress, share_done(), share_done(1));
       if (const auto s = add_replicate(part); !s) return s.error();
       ++done_;
-      if (done_ == replicates_ && !splits_bad_intervals()) ask_for_more();
+      const bool all_done = done_ == replicates_;
+      const bool begins_again = (all_done || done_ == kEarlyCheck) && splits_bad_intervals();
+      if (all_done && !begins_again) ask_for_more();
       if (checkpoints_.due() && 0 < done_ && done_ < replicates_) save();
     }
     return IndirectLight{std::move(frames_), std::move(*mean_),    std::move(of_name_),
@@ -143,8 +146,9 @@ class IndirectSolver {
         light_at_rest(lit_, sources_, {static_lines_, seed()}, counts, part_of(progress, 0, kRestShare));
     if (!rests) return rests.error();
     const std::vector<Frames> all = windows();
-    std::vector<std::vector<PatchSeries>> found;  // [window][name]
-    std::vector<PatchSeries> missed;              // [window]
+    mean_->begin();
+    missed_->begin();
+    std::uint32_t first = 0, first_check = 0;  // columns
     for (std::size_t w = 0; w < all.size(); ++w) {
       const auto share = [&](double part) {
         return kRestShare +
@@ -155,16 +159,20 @@ class IndirectSolver {
       if (!lines) return lines.error();
       count(*lines, counts);
       WindowSolver window(lit_, groups_, sources_, *rests, all[w], std::move(*lines));
-      const Progress solving = part_of(progress, share(kTracingShare), share(1));
       const KeyFrames part = part_in(chosen_, all[w]);
+      const Progress solving = part_of(progress, share(kTracingShare), share(kSolvedShare));
       if (const auto s = window.solve(part.solved, counts, solving); !s) return s.error();
       counts.empty_rows += window.empty_rows();
-      if (splits(options_)) missed.push_back(missed_in(window, part));
-      auto light = light_of(window, solving);
+      if (splits(options_)) {
+        missed_->add(missed_in(window, part), 0, first_check);
+        first_check += static_cast<std::uint32_t>(part.checks.size());
+      }
+      auto light = light_of(window, part_of(progress, share(kSolvedShare), share(1)));
       if (!light) return light.error();
-      found.push_back(std::move(*light));
+      const std::uint32_t skip = w > 0 && splits(options_) ? 1 : 0;  // what the window before had as well
+      accumulate(*light, skip, first);
+      first += (*light)[0].frame_count - skip;
     }
-    accumulate(all, found, missed);
     keep(counts);
     return api::Done{};
   }
@@ -197,7 +205,9 @@ class IndirectSolver {
     std::vector<PatchSeries> light;
     const bool everywhere = splits(options_) && fills_between(options_);
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      auto of_group = everywhere ? window.in_every_frame(g, options_.interpolation, progress)
+      const Progress of_this = part_of(progress, static_cast<double>(g) / groups_.size(),
+                                       static_cast<double>(g + 1) / groups_.size());
+      auto of_group = everywhere ? window.in_every_frame(g, options_.interpolation, of_this)
                                  : api::Result<PatchSeries>(window.at_solved(g));
       if (!of_group) return of_group.error();
       const bool begins =
@@ -209,23 +219,13 @@ class IndirectSolver {
     return light;
   }
 
-  void accumulate(const std::vector<Frames>& all, std::vector<std::vector<PatchSeries>>& found,
-                  const std::vector<PatchSeries>& missed) {
-    mean_->begin();
-    missed_->begin();
-    std::uint32_t first = 0, first_check = 0;
-    for (std::size_t w = 0; w < all.size(); ++w) {
-      const std::uint32_t skip = w > 0 && splits(options_) ? 1 : 0;
-      for (std::size_t n = 0; n < names_.size(); ++n) blend(found[w][n], skip, first, done_ + 1, of_name_[n]);
-      for (std::size_t n = 1; n < found[w].size(); ++n)
-        for (std::size_t k = 0; k < found[w][0].values.size(); ++k)
-          found[w][0].values[k] += found[w][n].values[k];
-      mean_->add(found[w][0], skip, first);
-      first += found[w][0].frame_count - skip;
-      if (missed.empty()) continue;
-      missed_->add(missed[w], 0, first_check);
-      first_check += missed[w].frame_count;
-    }
+  /// Takes the light of one window, columns from `skip` on, into the means, at column `first`.
+  void accumulate(std::vector<PatchSeries>& of_window, std::uint32_t skip, std::uint32_t first) {
+    for (std::size_t n = 0; n < names_.size(); ++n) blend(of_window[n], skip, first, done_ + 1, of_name_[n]);
+    for (std::size_t n = 1; n < of_window.size(); ++n)
+      for (std::size_t k = 0; k < of_window[0].values.size(); ++k)
+        of_window[0].values[k] += of_window[n].values[k];
+    mean_->add(of_window[0], skip, first);
   }
 
   /// Room for the replicates, none of which is done.
@@ -337,8 +337,12 @@ class IndirectSolver {
     return whole;
   }
 
+  /// Replicates after which the check frames are looked at for the first time: what is clearly bad shows
+  /// then, and beginning again costs little.
+  static constexpr std::uint32_t kEarlyCheck = 2;
+
   /// Shares of a replicate and of a window; progress only.
-  static constexpr double kRestShare = 0.2, kTracingShare = 0.5;
+  static constexpr double kRestShare = 0.2, kTracingShare = 0.5, kSolvedShare = 0.85;
 
   const LitScene& lit_;
   const std::vector<LitGroup>& groups_;
@@ -365,7 +369,8 @@ class IndirectSolver {
 }  // namespace
 
 std::uint32_t replicates_of(const api::LightingOptions& options) {
-  const bool wants_errors = options.standard_errors || options.target_error;
+  const bool wants_errors =
+      options.standard_errors || options.target_error || options.mode == api::LightingMode::standard;
   const auto needed =
       static_cast<std::uint32_t>((options.line_count + kLinesPerReplicateMax - 1) / kLinesPerReplicateMax);
   return std::max(needed, wants_errors ? kReplicatesMin : 1);

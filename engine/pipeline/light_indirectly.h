@@ -18,7 +18,8 @@ namespace engine {
 /// Lines of one replicate at most: bounds the memory that lines take, whatever their number.
 inline constexpr std::uint64_t kLinesPerReplicateMax = 4'000'000;
 
-/// Replicates that a job begins with: kReplicatesMin where errors are asked for, and no fewer than its lines
+/// Replicates that a job begins with: kReplicatesMin where errors are asked for, or told from noise (mode
+/// `default`), and no fewer than its lines
 /// need.
 std::uint32_t replicates_of(const api::LightingOptions& options);
 
@@ -38,9 +39,9 @@ struct IndirectLight {
 /// Times that bad intervals are split and all is solved again.
 inline constexpr std::uint32_t kSplitRounds = 3;
 
-/// Solves the frames of `chosen`. In mode `default` the check frames are looked at when all replicates are
-/// done: intervals that they show to be worse than the tolerance are split in `chosen`, their halves get
-/// checks of their own, and all is solved again (the same lines), kSplitRounds times at most. Where only
+/// Solves the frames of `chosen`. In mode `default` the check frames are looked at after two and after all
+/// replicates: intervals that they show to be worse than the tolerance are split in `chosen`, their halves
+/// get checks of their own, and all is solved again (the same lines), kSplitRounds times at most. Where only
 /// indirect light is interpolated, the frames between are filled too (fill_between). With a target error
 /// replicates are added until the noise of all the light meets it (or kReplicatesMax). Error: stopped.
 api::Result<IndirectLight> light_indirectly(const LitScene& lit, const std::vector<LitGroup>& groups,
