@@ -20,18 +20,6 @@ std::vector<FrameIndex> all_frames_of(const Animation& animation) {
   return frames;
 }
 
-std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups) {
-  std::vector<const LitGroup*> pointers;
-  for (const LitGroup& group : groups) pointers.push_back(&group);
-  return pointers;
-}
-
-Columns every_slot(std::uint32_t slots) {
-  std::vector<std::uint32_t> all(slots);
-  std::iota(all.begin(), all.end(), 0u);
-  return {std::move(all), slots};
-}
-
 /// Replaces `mean` of the lines before by that with `next`, which has `share` of all lines.
 void blend(const PatchSeries& next, std::uint32_t first_frame, float share, PatchSeries& mean) {
   for (PatchId patch = 0; patch < next.patch_count; ++patch)
@@ -111,19 +99,26 @@ api::Status Estimator::add_replicate(std::uint32_t replicate, std::uint64_t line
   for (const LitGroup& group : estimate.groups)
     sources.push_back(
         {&group.group.emission, options_->direct == api::DirectLight::apart ? &group.direct : nullptr});
-  const auto rest = light_at_rest(scene, sources, options, estimate.counts, part_of(progress, 0, 0.2));
+  constexpr double kRestShare = 0.2;  // progress only, as are the shares of windows
+  SolveCounts uncounted;
+  const auto rest = light_at_rest(scene, sources, options, uncounted, part_of(progress, 0, kRestShare));
   if (!rest) return rest.error();
 
   const auto frames = all_frames_of(*animation_);
+  const auto share = [&](std::size_t frame) {
+    return kRestShare + (1 - kRestShare) * static_cast<double>(frame) / static_cast<double>(frames.size());
+  };
   for (std::size_t first = 0; first < frames.size(); first += kWindowMax) {
     const auto window = std::span(frames).subspan(first, std::min(kWindowMax, frames.size() - first));
     const auto slots = static_cast<std::uint32_t>(window.size());
-    const auto traced = trace_lines(scene.patches, *animation_, *static_rays_, window, options, progress);
+    const auto traced = trace_lines(scene.patches, *animation_, *static_rays_, window, options,
+                                    part_of(progress, share(first), share(first + slots)));
     if (!traced) return traced.error();
     PatchSeries irradiance(scene.patches.count(), slots);
     for (std::size_t g = 0; g < sources.size(); ++g) {
       const WindowScene lit_window{scene, window, *traced, (*rest)[g], sources[g]};
-      auto light = solve_difference(lit_window, every_slot(slots), progress);
+      auto light = solve_difference(lit_window, Columns::every(slots),
+                                    Progress{[](double) {}, progress.stop_requested});
       if (!light) return light.error();
       if (options_->interpolated == api::Interpolated::indirect)
         blend(light->carried_w_m2, static_cast<std::uint32_t>(first), share,

@@ -26,7 +26,6 @@ struct Estimate {
   /// [group][replicate], [patch][frame]; or, where all light is interpolated, B itself in one group.
   std::vector<std::vector<PatchSeries>> interpolated;
   std::uint64_t line_count = 0;  ///< all replicates together
-  SolveCounts counts;
 };
 
 /// Keeps what it needs to sharpen an estimate. Source: Besuievsky & Pueyo, 2001, section 5.

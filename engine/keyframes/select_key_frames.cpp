@@ -97,6 +97,12 @@ api::Result<KeyFrames> by_interpolation_error(Estimator& estimator, const api::L
   }
 }
 
+double largest_between(const std::vector<double>& errors, FrameIndex a, FrameIndex b) {
+  double largest = 0;
+  for (FrameIndex f = a + 1; f < b; ++f) largest = std::max(largest, errors[f]);
+  return largest;
+}
+
 }  // namespace
 
 Frames checks_between(FrameIndex a, FrameIndex b) {
@@ -161,8 +167,7 @@ api::KeyFrameReport report_of(const KeyFrames& chosen, const api::LightingOption
     interval.first = chosen.keys[k];
     interval.last = chosen.keys[k + 1];
     if (!chosen.predicted_error.empty())
-      interval.predicted_error = *std::max_element(chosen.predicted_error.begin() + interval.first,
-                                                   chosen.predicted_error.begin() + interval.last + 1);
+      interval.predicted_error = largest_between(chosen.predicted_error, interval.first, interval.last);
     if (promises && interval.predicted_error) interval.kept = *interval.predicted_error <= options.tolerance;
     report.intervals.push_back(interval);
   }

@@ -37,6 +37,12 @@ Rgb square_root(Rgb value) {
 
 }  // namespace
 
+std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups) {
+  std::vector<const LitGroup*> pointers;
+  for (const LitGroup& group : groups) pointers.push_back(&group);
+  return pointers;
+}
+
 void add_scaled(const LightGroup& group, const PatchSeries& part, std::span<const FrameIndex> frames,
                 PatchSeries& sum) {
   for_each_patch(sum.patch_count, {}, [&](PatchId patch) {

@@ -17,6 +17,8 @@ struct LitGroup {
   DirectLight direct;  ///< [patch][position in the frames that are lit]; empty where lines carry everything
 };
 
+std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups);
+
 /// Irradiance from all of `groups`, sum_g scale_g(f) H_g  [W/m^2], [patch][position in `frames`], which are
 /// those their direct light was computed for.
 PatchSeries direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames);

@@ -1,5 +1,4 @@
 #include <array>
-#include <numeric>
 
 #include "engine/interpolate/interpolate.h"
 #include "engine/lighting/solve_difference.h"
@@ -10,12 +9,6 @@ namespace {
 /// Two moving patches that face each other exchange most of their light: after two sweeps up to a tenth of it
 /// was still that of other frames.
 constexpr int kSweeps = 4;
-
-Columns every_slot(std::size_t slots) {
-  std::vector<std::uint32_t> all(slots);
-  std::iota(all.begin(), all.end(), 0u);
-  return {std::move(all), static_cast<std::uint32_t>(slots)};
-}
 
 /// T_s s_f + Y_f, [patch][slot]: what no sweep changes.
 PatchSeries carried_in_every_slot(const WindowScene& window, const SampledOperator& sampled,
@@ -44,7 +37,7 @@ api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& 
   const Interpolator interpolator(knots, window.frames, interpolation);
   PatchSeries difference = interpolate(solved.irradiance_w_m2, interpolator);
 
-  const Columns all = every_slot(window.frames.size());
+  const Columns all = Columns::every(static_cast<std::uint32_t>(window.frames.size()));
   const SampledOperator sampled(window.lines);
   const PatchSeries carried = carried_in_every_slot(window, sampled, all, solved.carried_w_m2, interpolator);
   PatchSeries radiosity(difference.patch_count, difference.frame_count);  // R_s + r: all that lines carry
@@ -71,6 +64,7 @@ api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& 
         row[columns.slot(c)] = solved.irradiance_w_m2.at(patch, c);
     });
     if (!went_on) return api::Error{api::Fault::stopped, "stopped while filling the frames between"};
+    progress.report((sweep + 1.0) / kSweeps);
   }
   return difference;
 }

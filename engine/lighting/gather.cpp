@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "engine/lighting/row_kernels.h"
 
@@ -27,6 +28,12 @@ Columns::Columns(std::vector<std::uint32_t> slots, std::uint32_t slot_count)
     : slots_(std::move(slots)), before_(slot_count + 1, 0) {
   for (const std::uint32_t slot : slots_) before_[slot + 1] = 1;
   for (std::uint32_t slot = 0; slot < slot_count; ++slot) before_[slot + 1] += before_[slot];
+}
+
+Columns Columns::every(std::uint32_t slot_count) {
+  std::vector<std::uint32_t> slots(slot_count);
+  std::iota(slots.begin(), slots.end(), 0u);
+  return {std::move(slots), slot_count};
 }
 
 void SampledOperator::gather_at_rest(const PatchSeries& b, PatchId patch, Rgb* to) const {

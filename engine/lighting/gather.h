@@ -18,6 +18,8 @@ class Columns {
  public:
   /// slots: increasing, each below slot_count.
   Columns(std::vector<std::uint32_t> slots, std::uint32_t slot_count);
+  /// One for each slot.
+  static Columns every(std::uint32_t slot_count);
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(slots_.size()); }
   std::uint32_t slot(std::uint32_t column) const { return slots_[column]; }

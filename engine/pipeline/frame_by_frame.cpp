@@ -1,6 +1,7 @@
 #include "engine/pipeline/frame_by_frame.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "engine/base/sobol.h"
 #include "engine/lighting/compose.h"
@@ -9,6 +10,12 @@
 
 namespace engine {
 namespace {
+
+constexpr std::string_view kName = "frame-by-frame";  ///< of the checkpoint
+
+bool wants_errors(const api::LightingOptions& options) {
+  return options.standard_errors || options.target_error;
+}
 
 struct FrameLight {
   PatchSeries radiosity_w_m2, standard_error_w_m2;  ///< [patch][one frame]
@@ -19,7 +26,7 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
   const FrameIndex frame[] = {0};
   std::vector<LitGroup> groups{{{"", lit.animation.emission, {Rgb{1, 1, 1}}}, {}}};
   const bool apart = options.direct == api::DirectLight::apart;
-  const bool errors = options.standard_errors;
+  const bool errors = wants_errors(options);
   if (apart) {
     auto direct =
         direct_light(lit.patches, lit.animation, groups[0].group.emission, lit.static_rays, frame,
@@ -58,6 +65,25 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
   return light;
 }
 
+void save(const AloneLight& all, FrameIndex done, Checkpoints& checkpoints) {
+  // One that fails costs time only if the run is killed.
+  (void)checkpoints.save(kName, {part_of_checkpoint(done), part_of_checkpoint(all.counts),
+                                 part_of_checkpoint(all.radiosity_w_m2.values),
+                                 part_of_checkpoint(all.standard_error_w_m2.values)});
+}
+
+/// Answers the number of frames that are done, which `all`, with room for them, then holds.
+FrameIndex load(const Checkpoints& checkpoints, AloneLight& all) {
+  auto saved = checkpoints.load(kName);
+  FrameIndex done = 0;
+  AloneLight found = all;
+  if (!saved || !saved->take(done) || !saved->take(found.counts) ||
+      !saved->take(found.radiosity_w_m2.values) || !saved->take(found.standard_error_w_m2.values))
+    return 0;
+  all = std::move(found);
+  return done;
+}
+
 }  // namespace
 
 Animation frozen(const Animation& animation, FrameIndex frame) {
@@ -84,12 +110,15 @@ Animation frozen(const Animation& animation, FrameIndex frame) {
 }
 
 api::Result<AloneLight> light_frame_by_frame(const LitScene& lit, const api::LightingOptions& options,
-                                             const Progress& progress) {
+                                             Checkpoints& checkpoints, StageClock& clock) {
+  const Progress& progress = clock.begin(api::Stage::solve);
   const FrameIndex frames = lit.animation.frame_count;
   AloneLight all;
   all.radiosity_w_m2 = PatchSeries(lit.patches.count(), frames);
-  if (options.standard_errors) all.standard_error_w_m2 = PatchSeries(lit.patches.count(), frames);
-  for (FrameIndex frame = 0; frame < frames; ++frame) {
+  if (wants_errors(options)) all.standard_error_w_m2 = PatchSeries(lit.patches.count(), frames);
+  FrameIndex frame = load(checkpoints, all);
+  if (frame > 0) clock.go_on_from(static_cast<double>(frame) / frames, "resumed");
+  for (; frame < frames; ++frame) {
     const Animation alone = frozen(lit.animation, frame);
     const StaticRays rays(lit.patches, alone);
     const auto light = light_frame(
@@ -98,9 +127,10 @@ api::Result<AloneLight> light_frame_by_frame(const LitScene& lit, const api::Lig
     if (!light) return light.error();
     for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
       all.radiosity_w_m2.at(patch, frame) = light->radiosity_w_m2.values[patch];
-      if (options.standard_errors)
+      if (wants_errors(options))
         all.standard_error_w_m2.at(patch, frame) = light->standard_error_w_m2.values[patch];
     }
+    if (checkpoints.due()) save(all, frame + 1, checkpoints);
   }
   return all;
 }

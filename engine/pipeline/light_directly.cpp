@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string_view>
 
 #include "engine/base/sobol.h"
 
@@ -15,12 +16,21 @@ constexpr PatchId kPatchesPerBlock = 4096;
 /// What took less is done again after a crash rather than saved at once.
 constexpr std::chrono::seconds kWorthSaving{5};
 
-/// One pass over all groups and patches.
+/// Of the mean of all passes so far.
+constexpr std::string_view kMeanName = "direct-mean";
+
+/// One pass over all groups and patches: the part [from, to] of the stage.
 class DirectPass {
  public:
   DirectPass(const LitScene& lit, std::span<const FrameIndex> frames, const api::LightingOptions& options,
-             std::uint32_t pass, Checkpoints& checkpoints)
-      : lit_(lit), frames_(frames), options_(options), pass_(pass), checkpoints_(checkpoints) {}
+             std::uint32_t pass, double from, double to, Checkpoints& checkpoints)
+      : lit_(lit),
+        frames_(frames),
+        options_(options),
+        pass_(pass),
+        from_(from),
+        to_(to),
+        checkpoints_(checkpoints) {}
 
   /// Of group `g` of `count`.
   api::Result<DirectLight> light(const Emission& emission, std::size_t g, std::size_t count,
@@ -30,7 +40,8 @@ class DirectPass {
     DirectLight direct = lighter.empty();
     const PatchId patches = lit_.patches.count();
     const auto share = [&](PatchId patch) {
-      return (static_cast<double>(g) + static_cast<double>(patch) / patches) / static_cast<double>(count);
+      return from_ + (to_ - from_) * (static_cast<double>(g) + static_cast<double>(patch) / patches) /
+                         static_cast<double>(count);
     };
     PatchId first = saved(g, direct);
     if (first > 0) clock.go_on_from(share(first), "resumed");
@@ -41,6 +52,14 @@ class DirectPass {
       if (checkpoints_.due() || (end == patches && took() > kWorthSaving)) save(g, end, direct);
     }
     return direct;
+  }
+
+  /// Is some of it saved, or should the whole be?
+  bool worth_saving() const { return has_saved_ || took() > kWorthSaving; }
+
+  /// What it has saved of `count` groups is not needed any more.
+  void forget(std::size_t count) {
+    for (std::size_t g = 0; g < count; ++g) checkpoints_.remove(name(g));
   }
 
  private:
@@ -58,6 +77,7 @@ class DirectPass {
   }
 
   void save(std::size_t g, PatchId done, const DirectLight& direct) {
+    has_saved_ = true;
     // A checkpoint that fails costs time only if the run is killed.
     (void)checkpoints_.save(
         name(g), {part_of_checkpoint(done), part_of_checkpoint(direct.irradiance_w_m2.values),
@@ -65,7 +85,7 @@ class DirectPass {
                   part_of_checkpoint(direct.shadow_rays)});
   }
 
-  PatchId saved(std::size_t g, DirectLight& direct) const {
+  PatchId saved(std::size_t g, DirectLight& direct) {
     auto checkpoint = checkpoints_.load(name(g));
     PatchId done = 0;
     DirectLight found = direct;
@@ -74,6 +94,7 @@ class DirectPass {
         !checkpoint->take(found.shadow_rays))
       return 0;
     direct = std::move(found);
+    has_saved_ = true;
     return done;
   }
 
@@ -81,6 +102,8 @@ class DirectPass {
   const std::span<const FrameIndex> frames_;
   const api::LightingOptions& options_;
   const std::uint32_t pass_;
+  const double from_, to_;
+  bool has_saved_ = false;
   Checkpoints& checkpoints_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
@@ -101,6 +124,42 @@ void blend(const DirectLight& pass, std::uint32_t passes_before, DirectLight& me
   mean.shadow_rays += pass.shadow_rays;
 }
 
+/// Passes that are done, of those that are needed as far as is known.
+struct Passes {
+  std::uint32_t done = 0, needed = 1;
+};
+
+/// Of the stage, once `done` passes are done. How many are needed is known after the first, which is half.
+double share_after(std::uint32_t done, std::uint32_t needed) {
+  return done == 0 ? 0.0 : 0.5 + 0.5 * (done - 1) / std::max(1u, needed - 1);
+}
+
+api::Status save_mean(Passes passes, const std::vector<LitGroup>& groups, Checkpoints& checkpoints) {
+  std::vector<CheckpointPart> parts{part_of_checkpoint(passes)};
+  for (const LitGroup& group : groups) {
+    parts.push_back(part_of_checkpoint(group.direct.irradiance_w_m2.values));
+    parts.push_back(part_of_checkpoint(group.direct.variance.values));
+    parts.push_back(part_of_checkpoint(group.direct.at_rest_w_m2));
+    parts.push_back(part_of_checkpoint(group.direct.shadow_rays));
+  }
+  return checkpoints.save(kMeanName, parts);
+}
+
+/// None is done where nothing was saved. Its variance is always known: passes are for a target error.
+Passes load_mean(const Checkpoints& checkpoints, PatchSeries room, std::vector<LitGroup>& groups) {
+  auto saved = checkpoints.load(kMeanName);
+  Passes passes;
+  if (!saved || !saved->take(passes)) return {};
+  for (LitGroup& group : groups) {
+    DirectLight& direct = group.direct;
+    direct.irradiance_w_m2 = direct.variance = room;
+    if (!saved->take(direct.irradiance_w_m2.values) || !saved->take(direct.variance.values) ||
+        !saved->take(direct.at_rest_w_m2) || !saved->take(direct.shadow_rays))
+      return {};
+  }
+  return passes;
+}
+
 /// Noise of the direct light relative to the direct light that is reflected: at least that relative to mean
 /// B.
 double noise_of(const LitScene& lit, const std::vector<LitGroup>& groups,
@@ -115,12 +174,6 @@ double noise_of(const LitScene& lit, const std::vector<LitGroup>& groups,
 }
 
 }  // namespace
-
-std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups) {
-  std::vector<const LitGroup*> pointers;
-  for (const LitGroup& group : groups) pointers.push_back(&group);
-  return pointers;
-}
 
 double root_mean_square_error(const LitScene& lit, const PatchSeries& standard_error_w_m2) {
   double squares = 0, area = 0;
@@ -146,9 +199,15 @@ api::Result<std::vector<LitGroup>> light_directly(const LitScene& lit, std::vect
   if (options.direct == api::DirectLight::pure) return lit_groups;
 
   const Progress& progress = clock.begin(api::Stage::direct);
-  std::uint32_t passes = 1;
-  for (std::uint32_t pass = 0; pass < passes; ++pass) {
-    DirectPass now(lit, frames, options, pass, checkpoints);
+  Passes passes;
+  if (options.target_error)
+    passes =
+        load_mean(checkpoints, {lit.patches.count(), static_cast<std::uint32_t>(frames.size())}, lit_groups);
+  for (; passes.done < passes.needed; ++passes.done) {
+    const std::uint32_t pass = passes.done;
+    const double from = options.target_error ? share_after(pass, passes.needed) : 0.0;
+    const double to = options.target_error ? share_after(pass + 1, passes.needed) : 1.0;
+    DirectPass now(lit, frames, options, pass, from, to, checkpoints);
     for (std::size_t g = 0; g < lit_groups.size(); ++g) {
       auto direct = now.light(lit_groups[g].group.emission, g, lit_groups.size(), clock, progress);
       if (!direct) return direct.error();
@@ -159,9 +218,12 @@ api::Result<std::vector<LitGroup>> light_directly(const LitScene& lit, std::vect
     }
     if (pass == 0 && options.target_error) {
       const double over = noise_of(lit, lit_groups, frames) / (*options.target_error / std::sqrt(2.0));
-      passes = static_cast<std::uint32_t>(
+      passes.needed = static_cast<std::uint32_t>(
           std::clamp(std::ceil(over * over), 1.0, double{kSamplesPerLightMax} / options.samples_per_light));
     }
+    if (options.target_error && now.worth_saving() &&
+        save_mean({pass + 1, passes.needed}, lit_groups, checkpoints))
+      now.forget(lit_groups.size());
   }
   return lit_groups;
 }

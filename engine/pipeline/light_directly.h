@@ -30,6 +30,4 @@ api::Result<std::vector<LitGroup>> light_directly(const LitScene& lit, std::vect
 /// emit [W/m^2].
 double root_mean_square_error(const LitScene& lit, const PatchSeries& standard_error_w_m2);
 
-std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups);
-
 }  // namespace engine

@@ -1,13 +1,11 @@
 #include "engine/pipeline/solve_sequence.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <span>
 
 #include "engine/interpolate/interpolate.h"
-#include "engine/keyframes/check_errors.h"
 #include "engine/pipeline/frame_by_frame.h"
 #include "engine/pipeline/light_directly.h"
 #include "engine/pipeline/light_indirectly.h"
@@ -81,6 +79,12 @@ void add_counts(const KeyFrames& chosen, const SolveCounts& counts, api::JobRepo
   add("moving_exchanges", counts.moving_exchanges);
   add("rows_without_crossings", counts.empty_rows);
   add("iterations", counts.iterations);
+}
+
+void add_shadow_rays(const std::vector<LitGroup>& groups, api::JobReport& report) {
+  double rays = 0;
+  for (const LitGroup& group : groups) rays += static_cast<double>(group.direct.shadow_rays);
+  report.counts.emplace_back("shadow_rays", rays);
 }
 
 /// What a user should know of a solution that is there but poor.
@@ -184,24 +188,29 @@ void report_noise(const LitScene& lit, const SolvedSequence& solved, const Patch
   if (!options.target_error) return;
   report.target_error = options.target_error;
   report.target_error_met = *report.noise <= *options.target_error;
+  const char* why = options.mode == api::LightingMode::frame_by_frame
+                        ? "mode frame-by-frame takes lines and samples as they are given"
+                        : "the limits on lines and samples were reached";
   if (!*report.target_error_met)
     report.warnings.push_back("the noise of the result is " + std::to_string(*report.noise) +
-                              ", more than the target error: the limits on lines and samples were reached");
+                              ", more than the target error: " + why);
 }
 
 api::Result<SolvedSequence> solve_alone(const LitScene& lit, const api::LightingOptions& options,
-                                        StageClock& clock, api::JobReport& report) {
-  auto light = light_frame_by_frame(lit, options, clock.begin(api::Stage::solve));
+                                        StageClock& clock, api::JobReport& report, Checkpoints& checkpoints) {
+  auto light = light_frame_by_frame(lit, options, checkpoints, clock);
   if (!light) return light.error();
   const KeyFrames chosen = all_frames(lit.animation.frame_count);
   add_counts(chosen, light->counts, report);
   warn(light->counts, report);
   SolvedSequence solved{
       std::move(light->radiosity_w_m2), {}, report_of(chosen, options, lit.animation.frame_count)};
-  if (options.standard_errors) {
+  if (!options.light_groups.empty())
+    report.warnings.push_back("mode frame-by-frame does not keep light groups apart: they have no files");
+  if (!light->standard_error_w_m2.values.empty())
     report_noise(lit, solved, light->standard_error_w_m2, options, report);
+  if (options.standard_errors)
     solved.others.push_back({kStandardErrorFile, std::move(light->standard_error_w_m2)});
-  }
   return solved;
 }
 
@@ -217,7 +226,8 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
                                            StageClock& clock, api::JobReport& report,
                                            Checkpoints& checkpoints) {
   const api::LightingOptions options = made_consistent(asked);
-  if (options.mode == api::LightingMode::frame_by_frame) return solve_alone(lit, options, clock, report);
+  if (options.mode == api::LightingMode::frame_by_frame)
+    return solve_alone(lit, options, clock, report, checkpoints);
   // Curves of brightness are worth a solution of their own only where they save key-frames.
   auto groups = light_groups(lit.scene, lit.animation, options.light_groups,
                              fills_between(options) ? kScaledGroupsMax : 0);
@@ -234,6 +244,7 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   auto indirect = light_indirectly(lit, *lit_groups, options, *chosen, checkpoints, clock);
   if (!indirect) return indirect.error();
   add_counts(*chosen, indirect->counts, report);
+  add_shadow_rays(*lit_groups, report);
   warn(indirect->counts, report);
 
   clock.begin(api::Stage::interpolate);

@@ -33,8 +33,8 @@ class WindowSolver {
   /// B of all groups at the solved frames  [W/m^2], [patch][position in solved()].
   PatchSeries radiosity_at_solved() const;
 
+  /// Patches and slots: they move, are there, and no line met them.
   std::uint64_t empty_rows() const;
-  const TracedLines& lines() const { return lines_; }
 
  private:
   WindowScene scene_of(std::size_t g) const;
