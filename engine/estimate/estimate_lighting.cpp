@@ -105,14 +105,14 @@ api::Status Estimator::add_replicate(std::uint32_t replicate, std::uint64_t line
   if (!rest) return rest.error();
 
   const auto frames = all_frames_of(*animation_);
-  const auto share = [&](std::size_t frame) {
+  const auto share_before = [&](std::size_t frame) {
     return kRestShare + (1 - kRestShare) * static_cast<double>(frame) / static_cast<double>(frames.size());
   };
   for (std::size_t first = 0; first < frames.size(); first += kWindowMax) {
     const auto window = std::span(frames).subspan(first, std::min(kWindowMax, frames.size() - first));
     const auto slots = static_cast<std::uint32_t>(window.size());
     const auto traced = trace_lines(scene.patches, *animation_, *static_rays_, window, options,
-                                    part_of(progress, share(first), share(first + slots)));
+                                    part_of(progress, share_before(first), share_before(first + slots)));
     if (!traced) return traced.error();
     PatchSeries irradiance(scene.patches.count(), slots);
     for (std::size_t g = 0; g < sources.size(); ++g) {

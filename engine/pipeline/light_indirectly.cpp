@@ -204,9 +204,10 @@ class IndirectSolver {
   api::Result<std::vector<PatchSeries>> light_of(const WindowSolver& window, const Progress& progress) const {
     std::vector<PatchSeries> light;
     const bool everywhere = splits(options_) && fills_between(options_);
+    const auto count = static_cast<double>(groups_.size());
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      const Progress of_this = part_of(progress, static_cast<double>(g) / groups_.size(),
-                                       static_cast<double>(g + 1) / groups_.size());
+      const Progress of_this =
+          part_of(progress, static_cast<double>(g) / count, static_cast<double>(g + 1) / count);
       auto of_group = everywhere ? window.in_every_frame(g, options_.interpolation, of_this)
                                  : api::Result<PatchSeries>(window.at_solved(g));
       if (!of_group) return of_group.error();

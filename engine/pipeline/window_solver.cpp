@@ -58,7 +58,9 @@ api::Status WindowSolver::solve(std::span<const FrameIndex> frames, SolveCounts&
                       std::back_inserter(fresh));
   if (fresh.empty()) return api::Done{};
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const auto share = [&](std::size_t k) { return static_cast<double>(k) / groups_.size(); };
+    const auto share = [&](std::size_t k) {
+      return static_cast<double>(k) / static_cast<double>(groups_.size());
+    };
     auto light = solve_difference(scene_of(g), columns_of(fresh), part_of(progress, share(g), share(g + 1)));
     if (!light) return light.error();
     counts.add(light->convergence);
