@@ -370,11 +370,8 @@ class IndirectSolver {
 }  // namespace
 
 std::uint32_t replicates_of(const api::LightingOptions& options) {
-  const bool wants_errors =
-      options.standard_errors || options.target_error || options.mode == api::LightingMode::standard;
-  const auto needed =
-      static_cast<std::uint32_t>((options.line_count + kLinesPerReplicateMax - 1) / kLinesPerReplicateMax);
-  return std::max(needed, wants_errors ? kReplicatesMin : 1);
+  const std::uint64_t needed = (options.line_count + kLinesPerReplicateMax - 1) / kLinesPerReplicateMax;
+  return std::max(static_cast<std::uint32_t>(needed), kReplicatesMin);
 }
 
 bool fills_between(const api::LightingOptions& options) {
