@@ -35,6 +35,7 @@ class WindowSolver {
 
   /// Patches and slots: they move, are there, and no line met them.
   std::uint64_t empty_rows() const;
+  const TracedLines& lines() const { return lines_; }
 
  private:
   WindowScene scene_of(std::size_t g) const;
