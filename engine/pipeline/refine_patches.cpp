@@ -13,6 +13,7 @@
 #include "engine/base/sobol.h"
 #include "engine/direct/direct_light.h"
 #include "engine/patches/grade.h"
+#include "engine/pipeline/openness.h"
 #include "engine/visibility/ray_scene.h"
 
 namespace engine {
@@ -58,30 +59,37 @@ class SpreadMeter {
  public:
   SpreadMeter(const Scene& scene, const Animation& animation) : scene_(scene), animation_(animation) {}
 
-  /// Half the mean of the reflected direct light in `frames` is the least that differences are compared with.
-  void set_mean(const Patches& patches, std::span<const FrameIndex> frames, const PatchSeries& irradiance) {
-    double sum = 0, area_m2 = 0;
-    for (PatchId patch = 0; patch < patches.count(); ++patch) {
-      const std::uint32_t material = patches.facets[patches.facet_of[patch]].material;
-      if (animation_.emission.ever_emits(material) && !patches.is_back(patch)) continue;
-      for (std::uint32_t k = 0; k < frames.size(); ++k)
-        sum +=
-            patches.area_m2[patch] * max_channel(reflectance(material, frames[k]) * irradiance.at(patch, k));
-      area_m2 += patches.area_m2[patch] * static_cast<double>(frames.size());
+  /// From direct light in `frames`: half the mean of what is reflected is the least that differences are
+  /// compared with; and what else arrives is taken to be rho / (1 - rho) of the mean of what arrives, with
+  /// rho the mean reflectance, wherever it is not hidden.
+  void set_means(const Patches& patches, std::span<const FrameIndex> frames, const PatchSeries& irradiance) {
+    for (float Rgb::*channel : {&Rgb::r, &Rgb::g, &Rgb::b}) {
+      double reflected = 0, arriving = 0, rho = 0, area_m2 = 0;
+      for (PatchId patch = 0; patch < patches.count(); ++patch)
+        for (std::uint32_t k = 0; k < frames.size(); ++k) {
+          const std::uint32_t material = patches.facets[patches.facet_of[patch]].material;
+          const double area = patches.area_m2[patch], of_patch = reflectance(material, frames[k]).*channel;
+          reflected += area * of_patch * irradiance.at(patch, k).*channel;
+          arriving += area * irradiance.at(patch, k).*channel;
+          rho += area * of_patch;
+          area_m2 += area;
+        }
+      const double others = arriving / area_m2 * (rho / area_m2) / (1 - rho / area_m2);
+      surrounding_w_m2_.*channel = static_cast<float>(others);
+      least_w_m2_ = std::max(least_w_m2_, 0.5 * (reflected + rho * others) / area_m2);
     }
-    if (area_m2 > 0) least_w_m2_ = 0.5 * sum / area_m2;
   }
 
   /// Adds the frames of `lit` to a candidate; `first`: the first of its quarters, on one side.
   void add(const Patches& patches, PatchId first, std::span<const FrameIndex> frames, const DirectLight& lit,
-           Candidate& candidate) const {
+           std::span<const float> open, Candidate& candidate) const {
     const std::uint32_t material = patches.facets[candidate.facet].material;
     const double new_patches = 3.0 * (patches.facets[candidate.facet].both_sides ? 2 : 1);
     candidate.area_m2 = 4.0 * patches.area_m2[first];
     const double weight = candidate.area_m2 / (new_patches * animation_.frame_count);
     for (std::uint32_t k = 0; k < frames.size(); ++k) {
       const Rgb rho = reflectance(material, frames[k]);
-      const double squared = squared_spread(rho, first, k, lit);
+      const double squared = squared_spread(rho, first, k, lit, open);
       candidate.worth += squared * weight;
       candidate.spread = std::max(candidate.spread, std::sqrt(squared));
     }
@@ -93,12 +101,14 @@ class SpreadMeter {
   }
 
   /// Variance between the quarters, relative.
-  double squared_spread(Rgb rho, PatchId first, std::uint32_t k, const DirectLight& lit) const {
+  double squared_spread(Rgb rho, PatchId first, std::uint32_t k, const DirectLight& lit,
+                        std::span<const float> open) const {
     double largest = 0, most = least_w_m2_;
     for (float Rgb::*channel : {&Rgb::r, &Rgb::g, &Rgb::b}) {
       double sum = 0, squares = 0;
       for (PatchId quarter = first; quarter < first + 4; ++quarter) {
-        const double value = lit.irradiance_w_m2.at(quarter, k).*channel;
+        const double value =
+            lit.irradiance_w_m2.at(quarter, k).*channel + double{open[quarter]} * surrounding_w_m2_.*channel;
         sum += value;
         squares += value * value;
       }
@@ -112,6 +122,7 @@ class SpreadMeter {
   const Scene& scene_;
   const Animation& animation_;
   double least_w_m2_ = 0;
+  Rgb surrounding_w_m2_;
 };
 
 class Refiner {
@@ -130,7 +141,7 @@ class Refiner {
   }
 
   api::Result<RefinedPatches> run() {
-    if (const auto s = measure_mean(); !s) return s.error();
+    if (const auto s = measure_means(); !s) return s.error();
     std::vector<std::uint32_t> now = first_candidates();
     for (std::uint32_t level = 0; level < kCellTreeLevels && !now.empty(); ++level) {
       const auto share = [](std::uint32_t l) { return l / static_cast<double>(kCellTreeLevels); };
@@ -175,14 +186,14 @@ class Refiner {
   }
 
   /// On the coarse mesh, in a few frames.
-  api::Status measure_mean() {
+  api::Status measure_means() {
     constexpr std::size_t kFrames = 8;
     const std::size_t count = std::min(kFrames, frames_.size());
     std::vector<FrameIndex> few;
     for (std::size_t k = 0; k < count; ++k) few.push_back(frames_[k * frames_.size() / count]);
     const auto lit = light(coarse_, few, kCellTreeLevels, {[](double) {}, progress_.stop_requested});
     if (!lit) return lit.error();
-    meter_.set_mean(coarse_, few, lit->irradiance_w_m2);
+    meter_.set_means(coarse_, few, lit->irradiance_w_m2);
     return api::Done{};
   }
 
@@ -199,6 +210,10 @@ class Refiner {
     Patches trial = with_trees(coarse_);
     for (const std::uint32_t c : now) quarter(candidates_[c], trial);
     number_patches(trial);
+    const auto open =
+        openness(trial, animation_, static_rays_, static_cast<float>(kHidingReach * lighting_.patch_edge_m),
+                 stream_seed(lighting_.seed, kCellTreeLevels + 1 + level), progress_);
+    if (!open) return open.error();
     const std::uint64_t per_frame = sizeof(Rgb) * std::uint64_t{trial.count()};
     const std::size_t step = std::clamp<std::uint64_t>(kLitBytesMax / per_frame, 1, kWindowMax);
     for (std::size_t first = 0; first < frames_.size(); first += step) {
@@ -209,13 +224,13 @@ class Refiner {
       const auto lit =
           light(trial, frames, level, part_of(progress, share(first), share(first + frames.size())));
       if (!lit) return lit.error();
-      add_frames(now, trial, frames, *lit);
+      add_frames(now, trial, frames, *lit, *open);
     }
     return api::Done{};
   }
 
   void add_frames(const std::vector<std::uint32_t>& now, const Patches& trial,
-                  std::span<const FrameIndex> frames, const DirectLight& lit) {
+                  std::span<const FrameIndex> frames, const DirectLight& lit, std::span<const float> open) {
     constexpr std::size_t kChunk = 256;
     parallel_for((now.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
       for (std::size_t k = chunk * kChunk; k < std::min(now.size(), (chunk + 1) * kChunk); ++k) {
@@ -223,8 +238,8 @@ class Refiner {
         const Facet& facet = trial.facets[candidate.facet];
         const PatchId first =
             facet.first_patch + facet.trees[candidate.grid_cell].leaf_at(candidate.leaf.first);
-        meter_.add(trial, first, frames, lit, candidate);
-        if (facet.both_sides) meter_.add(trial, first + facet.cell_count(), frames, lit, candidate);
+        meter_.add(trial, first, frames, lit, open, candidate);
+        if (facet.both_sides) meter_.add(trial, first + facet.cell_count(), frames, lit, open, candidate);
       }
     });
   }
@@ -262,20 +277,34 @@ class Refiner {
     return 0;
   }
 
-  /// The mesh of those that were chosen. Grading it takes patches too: as many less are chosen as it takes
-  /// more than there may be.
+  /// The mesh of those that are chosen with `most` patches before grading.
+  Patches graded(std::uint64_t most) {
+    Patches patches = with_trees(coarse_);
+    (void)choose(most);
+    for (const Candidate& candidate : candidates_)
+      if (candidate.quartered) quarter(candidate, patches);
+    parallel_for(patches.facets.size(), [&](std::size_t f) { grade(patches.facets[f]); });
+    number_patches(patches);
+    return patches;
+  }
+
+  /// Grading takes patches too: as many are chosen as leave room for that, within a thousandth or so.
   Patches graded() {
-    for (std::uint64_t most = patch_count_max_;;) {
-      Patches patches = with_trees(coarse_);
-      (void)choose(most);
-      for (const Candidate& candidate : candidates_)
-        if (candidate.quartered) quarter(candidate, patches);
-      parallel_for(patches.facets.size(), [&](std::size_t f) { grade(patches.facets[f]); });
-      number_patches(patches);
-      if (patches.count() <= patch_count_max_) return patches;
-      const std::uint64_t beyond = std::max<std::uint64_t>(patches.count() - patch_count_max_, 6);
-      most = std::max<std::uint64_t>(coarse_.count(), most - std::min(most, beyond));
+    Patches best = graded(patch_count_max_);
+    if (best.count() <= patch_count_max_) return best;
+    best = coarse_;
+    std::uint64_t fits = coarse_.count(), beyond = patch_count_max_;
+    for (int step = 0; step < 10 && beyond - fits > 1; ++step) {
+      const std::uint64_t most = fits + (beyond - fits) / 2;
+      Patches tried = graded(most);
+      if (tried.count() > patch_count_max_) {
+        beyond = most;
+        continue;
+      }
+      fits = most;
+      best = std::move(tried);
     }
+    return best;
   }
 
   const Animation& animation_;
