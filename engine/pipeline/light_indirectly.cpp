@@ -340,7 +340,7 @@ class IndirectSolver {
 
   /// Replicates after which the check frames are looked at for the first time: what is clearly bad shows
   /// then, and beginning again costs little.
-  static constexpr std::uint32_t kEarlyCheck = 2;
+  static constexpr std::uint32_t kEarlyCheck = 4;
 
   /// Shares of a replicate and of a window; progress only.
   static constexpr double kRestShare = 0.2, kTracingShare = 0.5, kSolvedShare = 0.85;

@@ -38,7 +38,7 @@ struct IndirectLight {
 /// Times that bad intervals are split and all is solved again.
 inline constexpr std::uint32_t kSplitRounds = 3;
 
-/// Solves the frames of `chosen`. In mode `default` the check frames are looked at after two and after all
+/// Solves the frames of `chosen`. In mode `default` the check frames are looked at after four and after all
 /// replicates: intervals that they show to be worse than the tolerance are split in `chosen`, their halves
 /// get checks of their own, and all is solved again (the same lines), kSplitRounds times at most. Where only
 /// indirect light is interpolated, the frames between are filled too (fill_between). With a target error
