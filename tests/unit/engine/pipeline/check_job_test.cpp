@@ -68,11 +68,11 @@ TEST(CheckJob, RefusesATranslationThatFloatsCannotHold) {
 
 TEST(CheckJob, ARunRefusesWhatACheckRefuses) {
   AJob job;
-  job.request.lighting.line_count = 1'000'000'000;
+  job.request.lighting.patch_edge_m = 1e-4;
   for (const auto& status : {job.check(), job.run()}) {
     ASSERT_FALSE(status);
     EXPECT_EQ(status.error().fault, api::Fault::out_of_resources);
-    EXPECT_EQ(places_of(status.error()), "animation.json /lighting/line_count limit_exceeded\n");
+    EXPECT_EQ(places_of(status.error()), "animation.json /lighting/patch_edge_m limit_exceeded\n");
   }
 }
 
