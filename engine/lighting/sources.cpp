@@ -36,38 +36,33 @@ float normal(std::uint64_t stream) {
   return static_cast<float>(std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v));
 }
 
-/// Mean over the frames of the variance of a patch, per channel.
-Rgb mean_variance(const PatchSeries& variance, PatchId patch) {
-  Rgb sum;
-  for (std::uint32_t k = 0; k < variance.frame_count; ++k) sum += variance.at(patch, k);
-  return sum * (1.0f / static_cast<float>(variance.frame_count));
-}
-
 }  // namespace
 
-std::vector<Rgb> noise_of_direct(const DirectLight& direct, std::uint32_t replicate, std::uint32_t replicates,
-                                 std::uint64_t seed, std::size_t group) {
+std::vector<float> noise_of_direct(const DirectLight& direct, std::uint32_t replicate,
+                                   std::uint32_t replicates, std::uint64_t seed, std::size_t group) {
   if (direct.variance.values.empty() || replicates < 2) return {};
   constexpr std::uint64_t kStream = 0x6e6f697365ull;
   const std::uint64_t of_block = stream_seed(stream_seed(seed, kStream + group), replicate / replicates);
-  std::vector<Rgb> noise(direct.variance.patch_count);
+  const float spread = std::sqrt(static_cast<float>(replicates));
+  std::vector<float> noise(direct.variance.patch_count);
   for_each_patch(direct.variance.patch_count, {}, [&](PatchId patch) {
     const std::uint64_t stream = stream_seed(of_block, patch);
     float mean = 0;
     for (std::uint32_t r = 0; r < replicates; ++r) mean += normal(stream_seed(stream, r));
-    const float z =
-        normal(stream_seed(stream, replicate % replicates)) - mean / static_cast<float>(replicates);
-    const Rgb variance = mean_variance(direct.variance, patch);
-    const auto spread = [&](float v) { return z * std::sqrt(static_cast<float>(replicates) * v); };
-    noise[patch] = {spread(variance.r), spread(variance.g), spread(variance.b)};
+    mean /= static_cast<float>(replicates);
+    noise[patch] = spread * (normal(stream_seed(stream, replicate % replicates)) - mean);
   });
   return noise;
 }
 
 Rgb GroupSource::in_frame(const LitScene& lit, PatchId patch, FrameIndex frame) const {
   if (!direct) return lit.exitance(*emission, patch, frame);
-  const Rgb noise = noise_w_m2.empty() ? Rgb{} : noise_w_m2[patch];
-  return lit.reflectance(patch, frame) * (direct_in_frame(patch, frame) + noise);
+  Rgb arriving = direct_in_frame(patch, frame);
+  if (!noise.empty()) {
+    const Rgb variance = direct->variance.at(patch, position.empty() ? frame : position[frame]);
+    arriving += noise[patch] * Rgb{std::sqrt(variance.r), std::sqrt(variance.g), std::sqrt(variance.b)};
+  }
+  return lit.reflectance(patch, frame) * arriving;
 }
 
 std::vector<Rgb> source_at_rest(const LitScene& lit, const GroupSource& source,
@@ -76,9 +71,7 @@ std::vector<Rgb> source_at_rest(const LitScene& lit, const GroupSource& source,
   for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
     if (!lit.at_rest(patch)) continue;
     if (source.direct)
-      at_rest[patch] =
-          reflectance_at_rest[patch] * (source.direct->at_rest_w_m2[patch] +
-                                        (source.noise_w_m2.empty() ? Rgb{} : source.noise_w_m2[patch]));
+      at_rest[patch] = reflectance_at_rest[patch] * source.direct->at_rest_w_m2[patch];
     else if (!lit.patches.is_back(patch))
       at_rest[patch] = mean_exitance(*source.emission, lit.material_of(patch));
   }

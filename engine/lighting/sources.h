@@ -17,8 +17,9 @@ struct GroupSource {
   const DirectLight* direct = nullptr;
   /// Position of a frame in `direct`: that of frame f is position[f]. Empty: it is f itself.
   std::span<const std::uint32_t> position = {};
-  /// Added to `direct`, in every frame and at rest, [patch]; or empty. See noise_of_direct.
-  std::span<const Rgb> noise_w_m2 = {};
+  /// Standard deviations of `direct` in a frame that are added to it there, [patch]; or empty. See
+  /// noise_of_direct.
+  std::span<const float> noise = {};
 
   /// Irradiance from the lights; needs `direct`  [W/m^2]
   Rgb direct_in_frame(PatchId patch, FrameIndex frame) const {
@@ -28,21 +29,23 @@ struct GroupSource {
   Rgb in_frame(const LitScene& lit, PatchId patch, FrameIndex frame) const;
 };
 
-/// Noise of direct light for a replicate, [patch]; empty where its variance is not known  [W/m^2]:
+/// Noise of direct light for a replicate, [patch], in standard deviations of the mean direct light in a
+/// frame; empty where these are not known:
 ///
-///     eta_i,r = sqrt(R v_i) (z_i,r - mean_r z_i,r)
+///     eta_i,r(f) = sqrt(R v_i(f)) (z_i,r - mean_r z_i,r)                     [W/m^2]
 ///
 /// R is `replicates`; replicates from R on begin the next block of R, over each of which the noise adds up to
-/// 0. z are independent standard normals, the same for all channels and frames (samples are shared by the
-/// frames); v_i is the mean over the frames of the variance of the mean direct light.
+/// 0. z are independent standard normals, the same for all channels and frames: samples are shared by the
+/// frames. v is the variance of the mean direct light. The scene at rest has none of it, so that a frame is
+/// the same whatever frames are lit beside it.
 ///
 /// Why: the replicates of lines share one direct light, so what its noise does to the light that is reflected
 /// would not be seen in their scatter. The noise of all replicates adds up to 0, light is linear, so their
 /// mean is what it would be without it but for what lines make of it; and its scatter over the replicates has
 /// the variance v_i in the mean. seed: of the job. group: position among the groups of lights; independent
 /// for each.
-std::vector<Rgb> noise_of_direct(const DirectLight& direct, std::uint32_t replicate, std::uint32_t replicates,
-                                 std::uint64_t seed, std::size_t group);
+std::vector<float> noise_of_direct(const DirectLight& direct, std::uint32_t replicate,
+                                   std::uint32_t replicates, std::uint64_t seed, std::size_t group);
 
 /// S of the scene at rest, [patch]: with the mean over all frames of what emits and reflects; 0 of patches
 /// that move.

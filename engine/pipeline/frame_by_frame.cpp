@@ -40,8 +40,8 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
   const std::uint32_t replicates = replicates_of(options);
   ReplicateMean arriving(lit.patches.count(), 1);
   for (std::uint32_t r = 0; r < replicates; ++r) {
-    const std::vector<Rgb> noise = noise_of_direct(groups[0].direct, r, replicates, options.seed, 0);
-    source.noise_w_m2 = noise;
+    const std::vector<float> noise = noise_of_direct(groups[0].direct, r, replicates, options.seed, 0);
+    source.noise = noise;
     auto rest = light_at_rest(
         lit, std::span(&source, 1),
         {std::max<std::uint64_t>(1, options.line_count / replicates), stream_seed(options.seed, r)}, counts,

@@ -135,7 +135,7 @@ class IndirectSolver {
     if (options_.direct == api::DirectLight::pure) return;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       noise_[g] = noise_of_direct(groups_[g].direct, done_, block_, options_.seed, g);
-      sources_[g].noise_w_m2 = noise_[g];
+      sources_[g].noise = noise_[g];
     }
   }
 
@@ -355,8 +355,8 @@ class IndirectSolver {
   std::uint32_t done_ = 0, replicates_ = 0, block_ = 1;  ///< block_: replicates begun with
   std::uint64_t static_lines_ = 0, moving_lines_ = 0;    ///< of one replicate
   std::vector<GroupSource> sources_;
-  std::vector<std::vector<Rgb>> noise_;  ///< [group], of sources_ in the replicate at work
-  std::vector<std::uint32_t> position_;  ///< [frame], see GroupSource
+  std::vector<std::vector<float>> noise_;  ///< [group], of sources_ in the replicate at work
+  std::vector<std::uint32_t> position_;    ///< [frame], see GroupSource
   std::vector<std::string> names_;
   Frames frames_;
   std::optional<ReplicateMean> mean_;

@@ -26,41 +26,34 @@ DirectLight with_variance() {
 
 TEST(NoiseOfDirect, AddsUpToNothingOverEachBlockOfReplicates) {
   for (std::uint32_t block = 0; block < 2; ++block) {
-    std::vector<Rgb> sum(kPatches);
+    std::vector<float> sum(kPatches);
     for (std::uint32_t r = 0; r < kReplicates; ++r) {
       const auto noise = noise_of_direct(with_variance(), block * kReplicates + r, kReplicates, 5, 0);
       for (PatchId patch = 0; patch < kPatches; ++patch) sum[patch] += noise[patch];
     }
-    for (const Rgb value : sum) {
-      ASSERT_NEAR(value.r, 0, 1e-5);
-      ASSERT_NEAR(value.g, 0, 1e-5);
-      ASSERT_EQ(value.b, 0);
-    }
+    for (const float value : sum) ASSERT_NEAR(value, 0, 1e-5);
   }
 }
 
-// sum_r eta^2 / (R (R - 1)) has the mean v and, as a chi-square of 7 degrees, a relative spread of
-// sqrt(2 / 7) per patch; over 4,000 patches .85 %: five of those.
+// In standard deviations: sum_r eta^2 / (R (R - 1)) has the mean 1 and, as a chi-square of 7 degrees, a
+// relative spread of sqrt(2 / 7) per patch; over 4,000 patches .85 %: five of those.
 TEST(NoiseOfDirect, HasTheVarianceOfDirectLightInTheMeanOfTheReplicates) {
-  double red = 0, green = 0;
+  double square = 0;
   for (std::uint32_t r = 0; r < kReplicates; ++r)
-    for (const Rgb value : noise_of_direct(with_variance(), r, kReplicates, 5, 0)) {
-      red += double{value.r} * value.r / (kReplicates * (kReplicates - 1)) / kPatches;
-      green += double{value.g} * value.g / (kReplicates * (kReplicates - 1)) / kPatches;
-    }
-  EXPECT_NEAR(red, 0.25, 5 * 0.0085 * 0.25);
-  EXPECT_NEAR(green, 0.01, 5 * 0.0085 * 0.01);
+    for (const float value : noise_of_direct(with_variance(), r, kReplicates, 5, 0))
+      square += double{value} * value / (kReplicates * (kReplicates - 1)) / kPatches;
+  EXPECT_NEAR(square, 1, 5 * 0.0085);
 }
 
 // Products of independent ones are 0 in the mean of 4,000, give or take 1 / sqrt(4000) of their size, which
-// is R v (1 - 1/R) = 7/4.
+// is R (1 - 1/R) = 7.
 TEST(NoiseOfDirect, IsIndependentBetweenPatchesBlocksSeedsAndGroups) {
   const auto a = noise_of_direct(with_variance(), 0, kReplicates, 5, 0);
-  const auto expect_independent = [&](const std::vector<Rgb>& b, PatchId step) {
+  const auto expect_independent = [&](const std::vector<float>& b, PatchId step) {
     double product = 0;
     for (PatchId patch = 0; patch < kPatches; ++patch)
-      product += double{a[patch].r} * b[(patch + step) % kPatches].r / kPatches;
-    EXPECT_NEAR(product, 0, 5 * 1.75 / std::sqrt(kPatches));
+      product += double{a[patch]} * b[(patch + step) % kPatches] / kPatches;
+    EXPECT_NEAR(product, 0, 5 * 7 / std::sqrt(kPatches));
   };
   expect_independent(a, 1);
   expect_independent(noise_of_direct(with_variance(), kReplicates, kReplicates, 5, 0), 0);
