@@ -71,7 +71,10 @@ std::vector<Rgb> source_at_rest(const LitScene& lit, const GroupSource& source,
   for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
     if (!lit.at_rest(patch)) continue;
     if (source.direct)
-      at_rest[patch] = reflectance_at_rest[patch] * source.direct->at_rest_w_m2[patch];
+      // A scene of one frame is all at rest: its noise has no other place.
+      at_rest[patch] = lit.animation.frame_count == 1
+                           ? source.in_frame(lit, patch, 0)
+                           : reflectance_at_rest[patch] * source.direct->at_rest_w_m2[patch];
     else if (!lit.patches.is_back(patch))
       at_rest[patch] = mean_exitance(*source.emission, lit.material_of(patch));
   }

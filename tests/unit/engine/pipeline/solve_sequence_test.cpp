@@ -184,9 +184,10 @@ TEST(SolveSequence, FrameByFrameIsTheReferenceWithinTheNoise) {
   EXPECT_NEAR(sum_a / sum_b, 1, 3 * (*reference.report.noise + *alone.report.noise) / std::sqrt(8));
 }
 
-// The same lines, the same samples, and nothing that moves: nothing is left to differ. (Means over 4 frames
-// that are equal are exact.)
-TEST(SolveSequence, OfAStaticSceneFrameByFrameIsTheReferenceExactly) {
+// The same lines for all, the same samples, and nothing that moves: only the noise of direct light takes
+// another way, at rest or as a difference, each of them within kIterationError of the mean B, and rounding
+// (4e-6 twice, and as much).
+TEST(SolveSequence, OfAStaticSceneFrameByFrameIsTheReference) {
   const LitRoom moving(4);
   const tests::World room(
       moving.scene,
@@ -196,10 +197,22 @@ TEST(SolveSequence, OfAStaticSceneFrameByFrameIsTheReferenceExactly) {
         return animation;
       }(),
       1.0);
-  const Solution reference = solve(room.lit(), quick_options(LightingMode::reference));
-  const Solution alone = solve(room.lit(), quick_options(LightingMode::frame_by_frame));
-  EXPECT_EQ(reference.sequence.radiosity_w_m2.values, alone.sequence.radiosity_w_m2.values);
-  EXPECT_EQ(standard_error_of(reference.sequence)->values, standard_error_of(alone.sequence)->values);
+  api::LightingOptions options = quick_options(LightingMode::reference);
+  options.moving_line_count = options.line_count;
+  const Solution reference = solve(room.lit(), options);
+  options.mode = LightingMode::frame_by_frame;
+  const Solution alone = solve(room.lit(), options);
+  const double allowed = 2e-5 * mean_radiosity(room.lit(), reference.sequence.radiosity_w_m2);
+  const auto largest = [](const PatchSeries& a, const PatchSeries& b) {
+    float by = 0;
+    for (std::size_t k = 0; k < a.values.size(); ++k) {
+      const Rgb off = a.values[k] - b.values[k];
+      by = std::max({by, std::abs(off.r), std::abs(off.g), std::abs(off.b)});
+    }
+    return by;
+  };
+  EXPECT_LE(largest(reference.sequence.radiosity_w_m2, alone.sequence.radiosity_w_m2), allowed);
+  EXPECT_LE(largest(*standard_error_of(reference.sequence), *standard_error_of(alone.sequence)), allowed);
 }
 
 TEST(SolveSequence, TheReferenceSolvesEveryFrameAndInterpolatesNone) {
