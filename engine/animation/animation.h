@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,13 @@ struct Animation {
   std::vector<std::vector<Rgb>> reflectance;
   std::map<std::string, std::vector<CameraPose>> cameras;  ///< by name, [frame]
 };
+
+/// All frames, in order.
+inline std::vector<FrameIndex> every_frame(const Animation& animation) {
+  std::vector<FrameIndex> frames(animation.frame_count);
+  std::iota(frames.begin(), frames.end(), 0u);
+  return frames;
+}
 
 /// Reflectance that the animation gives a material, or its own; a texture is left out.
 inline Rgb material_reflectance(const Scene& scene, const Animation& animation, std::uint32_t material,

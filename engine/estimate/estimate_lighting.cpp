@@ -1,7 +1,6 @@
 #include "engine/estimate/estimate_lighting.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "engine/base/sobol.h"
 #include "engine/lighting/solve_difference.h"
@@ -13,12 +12,6 @@ namespace {
 /// Shadow rays per light and coarse patch. A patch of metres stands for many fine ones: it gets more rays
 /// than one of them, and all of them together are still few.
 constexpr std::uint32_t kSamplesPerLight = 32;
-
-std::vector<FrameIndex> all_frames_of(const Animation& animation) {
-  std::vector<FrameIndex> frames(animation.frame_count);
-  std::iota(frames.begin(), frames.end(), 0u);
-  return frames;
-}
 
 /// Replaces `mean` of the lines before by that with `next`, which has `share` of all lines.
 void blend(const PatchSeries& next, std::uint32_t first_frame, float share, PatchSeries& mean) {
@@ -47,7 +40,7 @@ api::Result<Estimator> Estimator::begin(const Scene& scene, const Animation& ani
 api::Status Estimator::light_directly(std::span<const LightGroup> groups, const Progress& progress) {
   Estimate& estimate = *estimate_;
   const bool apart = options_->direct == api::DirectLight::apart;
-  const auto frames = all_frames_of(*animation_);
+  const auto frames = every_frame(*animation_);
   for (const LightGroup& group : groups) {
     estimate.groups.push_back({group, {}});
     if (!apart) continue;
@@ -76,7 +69,7 @@ api::Status Estimator::add_lines(std::uint64_t line_count, const Progress& progr
   Estimate& estimate = *estimate_;
   estimate.line_count += lines * kEstimateReplicates;
 
-  const auto frames = all_frames_of(*animation_);
+  const auto frames = every_frame(*animation_);
   const bool total = options_->interpolated == api::Interpolated::total;
   estimate.radiosity_w_m2 = PatchSeries(estimate.patches.count(), animation_->frame_count);
   for (std::uint32_t r = 0; r < kEstimateReplicates; ++r) {
@@ -104,7 +97,7 @@ api::Status Estimator::add_replicate(std::uint32_t replicate, std::uint64_t line
   const auto rest = light_at_rest(scene, sources, options, uncounted, part_of(progress, 0, kRestShare));
   if (!rest) return rest.error();
 
-  const auto frames = all_frames_of(*animation_);
+  const auto frames = every_frame(*animation_);
   const auto share_before = [&](std::size_t frame) {
     return kRestShare + (1 - kRestShare) * static_cast<double>(frame) / static_cast<double>(frames.size());
   };

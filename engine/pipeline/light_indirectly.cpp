@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
 #include "engine/base/sobol.h"
@@ -86,7 +85,7 @@ class IndirectSolver {
     block_ = replicates_;
     static_lines_ = std::max<std::uint64_t>(1, options_.line_count / replicates_);
     moving_lines_ = std::clamp<std::uint64_t>(options_.moving_line_count / replicates_, 1, static_lines_);
-    if (fills_between(options_)) frames_ = every_frame();
+    if (fills_between(options_)) frames_ = every_frame(lit_.animation);
     place_direct();
     for (const LitGroup& group : groups_) {
       sources_.push_back({&group.group.emission,
@@ -104,16 +103,10 @@ class IndirectSolver {
     for (std::uint32_t k = 0; k < chosen_.solved.size(); ++k) position_[chosen_.solved[k]] = k;
   }
 
-  Frames every_frame() const {
-    Frames all(lit_.animation.frame_count);
-    std::iota(all.begin(), all.end(), 0u);
-    return all;
-  }
-
   /// Windows of frames that are traced together. Where intervals may be split every frame is traced, and
   /// neighbouring windows share a frame, which is a key.
   std::vector<Frames> windows() const {
-    const Frames traced = splits(options_) ? every_frame() : chosen_.solved;
+    const Frames traced = splits(options_) ? every_frame(lit_.animation) : chosen_.solved;
     const std::size_t step = splits(options_) ? kIntervalMax : kWindowMax;
     const std::size_t width = splits(options_) ? step + 1 : step;
     std::vector<Frames> windows;

@@ -136,9 +136,7 @@ class Refiner {
         static_rays_(coarse_, animation),
         meter_(scene, animation),
         progress_(progress),
-        frames_(animation.frame_count) {
-    std::iota(frames_.begin(), frames_.end(), 0u);
-  }
+        frames_(every_frame(animation)) {}
 
   api::Result<RefinedPatches> run() {
     if (const auto s = measure_means(); !s) return s.error();

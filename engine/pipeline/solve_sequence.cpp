@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 #include <span>
 
 #include "engine/interpolate/interpolate.h"
+#include "engine/pipeline/choose_key_frames.h"
 #include "engine/pipeline/frame_by_frame.h"
 #include "engine/pipeline/light_directly.h"
 #include "engine/pipeline/light_indirectly.h"
@@ -15,12 +15,6 @@ namespace {
 
 using Frames = std::vector<FrameIndex>;
 
-Frames every_frame(const Animation& animation) {
-  Frames frames(animation.frame_count);
-  std::iota(frames.begin(), frames.end(), 0u);
-  return frames;
-}
-
 bool is_paper(api::LightingMode mode) {
   return mode == api::LightingMode::paper || mode == api::LightingMode::paper_literal;
 }
@@ -29,39 +23,6 @@ bool is_paper(api::LightingMode mode) {
 api::LightingOptions made_consistent(api::LightingOptions options) {
   if (is_paper(options.mode)) options.interpolated = api::Interpolated::total;
   return options;
-}
-
-bool load(const Checkpoints& checkpoints, KeyFrames& chosen, std::uint64_t& estimate_lines) {
-  auto saved = checkpoints.load("key-frames");
-  if (!saved || !saved->take(chosen.keys) || !saved->take(chosen.checks) ||
-      !saved->take(chosen.predicted_error) || !saved->take(estimate_lines))
-    return false;
-  merge_solved(chosen);
-  return true;
-}
-
-api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const std::vector<LightGroup>& groups,
-                                         const api::LightingOptions& options, Checkpoints& checkpoints,
-                                         StageClock& clock, api::JobReport& report) {
-  if (options.mode == api::LightingMode::reference) return all_frames(lit.animation.frame_count);
-  KeyFrames saved;
-  std::uint64_t lines = 0;
-  const auto count_lines = [&] { report.counts.emplace_back("estimate_lines", static_cast<double>(lines)); };
-  if (load(checkpoints, saved, lines)) {
-    count_lines();
-    return saved;
-  }
-  auto estimator = Estimator::begin(lit.scene, lit.animation, lit.static_rays, groups, options,
-                                    clock.begin(api::Stage::estimate));
-  if (!estimator) return estimator.error();
-  auto chosen = select_key_frames(*estimator, options, clock.begin(api::Stage::keyframes));
-  if (!chosen) return chosen.error();
-  lines = estimator->estimate().line_count;
-  count_lines();
-  (void)checkpoints.save("key-frames",
-                         {part_of_checkpoint(chosen->keys), part_of_checkpoint(chosen->checks),
-                          part_of_checkpoint(chosen->predicted_error), part_of_checkpoint(lines)});
-  return chosen;
 }
 
 void add_counts(const KeyFrames& chosen, const SolveCounts& counts, api::JobReport& report) {

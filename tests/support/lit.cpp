@@ -7,7 +7,6 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
-#include <numeric>
 
 #include "engine/lighting/compose.h"
 #include "engine/pipeline/light_directly.h"
@@ -62,12 +61,6 @@ Example load_example(const std::string& folder, const std::string& json) {
   example.scene = value_or_abort(engine::load_scene(path, example.request.scene, {}, engine::refuse_texture));
   example.animation = engine::animate(example.scene, example.request);
   return example;
-}
-
-std::vector<engine::FrameIndex> every_frame(const engine::Animation& animation) {
-  std::vector<engine::FrameIndex> frames(animation.frame_count);
-  std::iota(frames.begin(), frames.end(), 0u);
-  return frames;
 }
 
 LitFrames light_frames(const ReadyScene& ready, const std::vector<engine::FrameIndex>& frames,

@@ -39,8 +39,6 @@ struct Example {
 };
 Example load_example(const std::string& folder, const std::string& json = "animation.json");
 
-std::vector<engine::FrameIndex> every_frame(const engine::Animation& animation);
-
 /// All three [patch][position in the frames].
 struct LitFrames {
   engine::PatchSeries direct;    ///< irradiance from the lights; empty where lines carry everything  [W/m^2]

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
 #include <random>
 #include <vector>
 
@@ -32,11 +31,7 @@ struct World {
 
   engine::LitScene lit() const { return {scene, animation, patches, static_rays}; }
 
-  std::vector<engine::FrameIndex> all_frames() const {
-    std::vector<engine::FrameIndex> frames(animation.frame_count);
-    std::iota(frames.begin(), frames.end(), 0u);
-    return frames;
-  }
+  std::vector<engine::FrameIndex> all_frames() const { return every_frame(animation); }
 };
 
 /// Where a hit is, from its (u, v) and the pose of its object.

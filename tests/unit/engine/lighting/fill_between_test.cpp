@@ -26,7 +26,7 @@ PatchSeries filled(const SolvedRoom& room, const std::vector<std::uint32_t>& slo
 TEST(FillBetween, WithEveryFrameSolvedNothingChanges) {
   const LitRoom room(kFrames);
   const SolvedRoom solved(room, {&room.animation.emission}, kLines, kLines);
-  EXPECT_EQ(filled(solved, tests::every_slot(kFrames).slots()).values, solved.solve().irradiance_w_m2.values);
+  EXPECT_EQ(filled(solved, Columns::every(kFrames).slots()).values, solved.solve().irradiance_w_m2.values);
 }
 
 TEST(FillBetween, SolvedFramesKeepTheirBytes) {

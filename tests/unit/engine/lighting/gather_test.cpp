@@ -12,7 +12,6 @@
 namespace engine {
 namespace {
 
-using tests::every_slot;
 using tests::MovingRoom;
 
 constexpr FrameIndex kFrames = 10;
@@ -29,7 +28,7 @@ PatchSeries apply(const TracedLines& lines, const PatchSeries& b, const Columns&
 }
 
 PatchSeries apply(const TracedLines& lines, const PatchSeries& b) {
-  return apply(lines, b, every_slot(lines.slot_count));
+  return apply(lines, b, Columns::every(lines.slot_count));
 }
 
 PatchSeries random_series(std::uint32_t patches, std::uint32_t frames) {
@@ -137,7 +136,7 @@ TEST(SampledOperator, WhatIsEqualInAllFramesIsGatheredFromOneColumn) {
   for (PatchId patch = 0; patch < all.patch_count; ++patch)
     std::fill_n(all.row(patch), kFrames, one.at(patch, 0));
   const SampledOperator sampled(lines);
-  const Columns columns = every_slot(kFrames);
+  const Columns columns = Columns::every(kFrames);
   for (PatchId patch = 0; patch < all.patch_count; ++patch) {
     std::vector<Rgb> from_all(kFrames), from_one(kFrames);
     sampled.add_moving(all, columns, patch, from_all.data());

@@ -1,7 +1,6 @@
 // The moving room, lit, for the tests of the solvers.
 #pragma once
 
-#include <numeric>
 
 #include "engine/lighting/light_at_rest.h"
 #include "engine/lighting/solve_difference.h"
@@ -39,12 +38,6 @@ inline engine::Columns columns_of(std::vector<std::uint32_t> slots, std::uint32_
   return {std::move(slots), slot_count};
 }
 
-inline engine::Columns every_slot(std::uint32_t slot_count) {
-  std::vector<std::uint32_t> all(slot_count);
-  std::iota(all.begin(), all.end(), 0u);
-  return {std::move(all), slot_count};
-}
-
 inline engine::TracedLines trace(const World& world, const std::vector<engine::FrameIndex>& frames,
                                  const engine::LineOptions& options) {
   auto traced = engine::trace_lines(world.patches, world.animation, world.static_rays, frames, options, {});
@@ -77,7 +70,7 @@ struct SolvedRoom {
     EXPECT_TRUE(light);
     return std::move(*light);
   }
-  engine::DifferenceLight solve() const { return solve(every_slot(lines.slot_count)); }
+  engine::DifferenceLight solve() const { return solve(engine::Columns::every(lines.slot_count)); }
   /// X = X_s + D
   engine::Rgb irradiance(const engine::DifferenceLight& light, engine::PatchId patch,
                          std::uint32_t column) const {

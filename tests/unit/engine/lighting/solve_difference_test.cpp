@@ -151,7 +151,7 @@ TEST(SolveDifference, OfAStaticSceneIsExactlyZero) {
   const auto frames = room.all_frames();
   const auto lines = trace_lines(room.patches, room.animation, rays, frames, {1'000, 1}, Progress{});
   const auto light =
-      solve_difference({lit, frames, *lines, (*rest)[0], source[0]}, tests::every_slot(4), Progress{});
+      solve_difference({lit, frames, *lines, (*rest)[0], source[0]}, Columns::every(4), Progress{});
   ASSERT_TRUE(light);
   for (const Rgb value : light->irradiance_w_m2.values) ASSERT_EQ(value, Rgb{});
   for (const Rgb value : light->carried_w_m2.values) ASSERT_EQ(value, Rgb{});
@@ -251,7 +251,7 @@ TEST(SolveDifference, StopsWhenToldTo) {
   std::atomic<int> asked = 0;
   Progress progress;
   progress.stop_requested = [&] { return ++asked > 10; };
-  const auto light = solve_difference(solved.window(), tests::every_slot(kFrames), progress);
+  const auto light = solve_difference(solved.window(), Columns::every(kFrames), progress);
   ASSERT_FALSE(light);
   EXPECT_EQ(light.error().fault, api::Fault::stopped);
 }

@@ -1,0 +1,43 @@
+#include "engine/pipeline/choose_key_frames.h"
+
+#include "engine/estimate/estimate_lighting.h"
+
+namespace engine {
+namespace {
+
+bool load(const Checkpoints& checkpoints, KeyFrames& chosen, std::uint64_t& estimate_lines) {
+  auto saved = checkpoints.load("key-frames");
+  if (!saved || !saved->take(chosen.keys) || !saved->take(chosen.checks) ||
+      !saved->take(chosen.predicted_error) || !saved->take(estimate_lines))
+    return false;
+  merge_solved(chosen);
+  return true;
+}
+
+}  // namespace
+
+api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const std::vector<LightGroup>& groups,
+                                         const api::LightingOptions& options, Checkpoints& checkpoints,
+                                         StageClock& clock, api::JobReport& report) {
+  if (options.mode == api::LightingMode::reference) return all_frames(lit.animation.frame_count);
+  KeyFrames saved;
+  std::uint64_t lines = 0;
+  const auto count_lines = [&] { report.counts.emplace_back("estimate_lines", static_cast<double>(lines)); };
+  if (load(checkpoints, saved, lines)) {
+    count_lines();
+    return saved;
+  }
+  auto estimator = Estimator::begin(lit.scene, lit.animation, lit.static_rays, groups, options,
+                                    clock.begin(api::Stage::estimate));
+  if (!estimator) return estimator.error();
+  auto chosen = select_key_frames(*estimator, options, clock.begin(api::Stage::keyframes));
+  if (!chosen) return chosen.error();
+  lines = estimator->estimate().line_count;
+  count_lines();
+  (void)checkpoints.save("key-frames",
+                         {part_of_checkpoint(chosen->keys), part_of_checkpoint(chosen->checks),
+                          part_of_checkpoint(chosen->predicted_error), part_of_checkpoint(lines)});
+  return chosen;
+}
+
+}  // namespace engine
