@@ -5,10 +5,6 @@
 namespace engine {
 namespace {
 
-Vec3 on_facet(const PlacedFacet& placed, float u, float v) {
-  return placed.origin + u * placed.edge_u + v * placed.edge_v;
-}
-
 Receiver receiver_at(const Patches& patches, PatchId patch, const Pose& pose, Slots slots) {
   const Facet& facet = patches.facets[patches.facet_of[patch]];
   Receiver receiver;
@@ -23,25 +19,14 @@ Receiver receiver_at(const Patches& patches, PatchId patch, const Pose& pose, Sl
   const CellCorners& cell = receiver.cell;
   for (std::uint32_t c = 0; c < cell.count; ++c)
     receiver.middle = receiver.middle + (1.0f / static_cast<float>(cell.count)) *
-                                            on_facet(receiver.placed, cell.u[c], cell.v[c]);
+                                            point_at(receiver.placed, cell.u[c], cell.v[c]);
   for (std::uint32_t c = 0; c < cell.count; ++c)
     receiver.radius_m = std::max(receiver.radius_m,
-                                 length(on_facet(receiver.placed, cell.u[c], cell.v[c]) - receiver.middle));
+                                 length(point_at(receiver.placed, cell.u[c], cell.v[c]) - receiver.middle));
   return receiver;
 }
 
 }  // namespace
-
-Vec3 Receiver::at(float a, float b) const {
-  if (cell.count == 3 && a + b > 1.0f) {
-    a = 1.0f - a;
-    b = 1.0f - b;
-  }
-  const int third = cell.count == 3 ? 2 : 3;
-  const float u = cell.u[0] + a * (cell.u[1] - cell.u[0]) + b * (cell.u[third] - cell.u[0]);
-  const float v = cell.v[0] + a * (cell.v[1] - cell.v[0]) + b * (cell.v[third] - cell.v[0]);
-  return on_facet(placed, u, v);
-}
 
 std::vector<Receiver> place_receiver(const Patches& patches, const Animation& animation, PatchId patch,
                                      std::span<const FrameIndex> frames) {

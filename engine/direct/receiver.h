@@ -20,7 +20,7 @@ struct Receiver {
   float radius_m = 0;  ///< of a ball about the middle that holds it
 
   /// a, b uniform in [0, 1) give points uniform by area.
-  Vec3 at(float a, float b) const;
+  Vec3 at(float a, float b) const { return point_in(placed, cell, a, b); }
 };
 
 /// In the order of its poses. A patch that rests has one, also in a window without frames.

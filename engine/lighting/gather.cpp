@@ -20,6 +20,14 @@ float* floats(Rgb* row) {
 struct RowSum {
   std::array<Rgb, kWindowMax> values;
   explicit RowSum(std::uint32_t columns) { std::fill_n(values.begin(), columns, Rgb{}); }
+
+  /// to[column] += the sum over the crossings of the patch in that column's slot.
+  void divide_into(const CrossingCounts& crossings, const Columns& columns, PatchId patch, Rgb* to) const {
+    for (std::uint32_t c = 0; c < columns.count(); ++c) {
+      const std::uint32_t count = crossings.at(patch, columns.slot(c));
+      if (count > 0) to[c] += values[c] * (1.0f / static_cast<float>(count));
+    }
+  }
 };
 
 }  // namespace
@@ -56,10 +64,7 @@ void SampledOperator::add_moving(const PatchSeries& b, const Columns& columns, P
       add_scaled(floats(sum.values.data() + begin), floats(b.row(change.sender) + begin), change.weight,
                  3 * std::size_t{end - begin});
   }
-  for (std::uint32_t c = 0; c < columns.count(); ++c) {
-    const std::uint32_t crossings = lines_.crossings.at(patch, columns.slot(c));
-    if (crossings > 0) to[c] += sum.values[c] * (1.0f / static_cast<float>(crossings));
-  }
+  sum.divide_into(lines_.crossings, columns, patch, to);
 }
 
 void SampledOperator::add_moving(std::span<const Rgb> b, const Columns& columns, PatchId patch,
@@ -72,10 +77,7 @@ void SampledOperator::add_moving(std::span<const Rgb> b, const Columns& columns,
     const std::uint32_t end = columns.end_of(change.last_slot);
     for (std::uint32_t c = columns.begin_of(change.first_slot); c < end; ++c) sum.values[c] += value;
   }
-  for (std::uint32_t c = 0; c < columns.count(); ++c) {
-    const std::uint32_t crossings = lines_.crossings.at(patch, columns.slot(c));
-    if (crossings > 0) to[c] += sum.values[c] * (1.0f / static_cast<float>(crossings));
-  }
+  sum.divide_into(lines_.crossings, columns, patch, to);
 }
 
 }  // namespace engine

@@ -22,6 +22,15 @@ struct SolveCounts {
     iterations = std::max(iterations, convergence.iterations);
     converged = converged && convergence.converged;
   }
+  SolveCounts& operator+=(const SolveCounts& more) {
+    tracing += more.tracing;
+    exchanges += more.exchanges;
+    moving_exchanges += more.moving_exchanges;
+    empty_rows += more.empty_rows;
+    iterations = std::max(iterations, more.iterations);
+    converged = converged && more.converged;
+    return *this;
+  }
 };
 
 /// Traces lines through the scene without what moves, and solves it for every group of lights.

@@ -25,4 +25,9 @@ struct PatchSeries {
   const Rgb& at(PatchId patch, std::uint32_t frame) const { return row(patch)[frame]; }
 };
 
+/// sum += part, which has the same patches and frames.
+inline void add(const PatchSeries& part, PatchSeries& sum) {
+  for (std::size_t k = 0; k < sum.values.size(); ++k) sum.values[k] += part.values[k];
+}
+
 }  // namespace engine

@@ -9,24 +9,6 @@
 
 namespace engine {
 
-std::vector<Rgb> reflectance_at_rest(const LitScene& lit) {
-  std::vector<Rgb> reflectance(lit.patches.count());
-  const FrameIndex frames = lit.animation.frame_count;
-  for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
-    if (!lit.at_rest(patch)) continue;
-    const std::uint32_t material = lit.material_of(patch);
-    const bool keyed =
-        material < lit.animation.reflectance.size() && lit.animation.reflectance[material].size() > 1;
-    if (!keyed) {
-      reflectance[patch] = lit.reflectance(patch, 0);
-      continue;
-    }
-    for (FrameIndex f = 0; f < frames; ++f) reflectance[patch] += lit.reflectance(patch, f);
-    reflectance[patch] = reflectance[patch] * (1.0f / static_cast<float>(frames));
-  }
-  return reflectance;
-}
-
 namespace {
 
 /// Two uniform numbers to a standard normal one. Source: Box & Muller, Ann. Math. Stat. 29(2), 1958.
@@ -42,8 +24,11 @@ std::vector<float> noise_of_direct(const DirectLight& direct, std::uint32_t repl
                                    std::uint32_t replicates, std::uint64_t seed, std::size_t group) {
   if (direct.variance.values.empty() || replicates < 2) return {};
   constexpr std::uint64_t kStream = 0x6e6f697365ull;
-  const std::uint64_t of_block = stream_seed(stream_seed(seed, kStream + group), replicate / replicates);
-  const float spread = std::sqrt(static_cast<float>(replicates));
+  const std::uint32_t block = replicate / replicates;
+  const std::uint64_t of_block = stream_seed(stream_seed(seed, kStream + group), block);
+  const auto count = static_cast<float>(replicates);
+  const float growth = (static_cast<float>(2 * block + 1) * count - 1) / (count - 1);
+  const float spread = std::sqrt(count * growth);
   std::vector<float> noise(direct.variance.patch_count);
   for_each_patch(direct.variance.patch_count, {}, [&](PatchId patch) {
     const std::uint64_t stream = stream_seed(of_block, patch);
@@ -59,7 +44,7 @@ Rgb GroupSource::in_frame(const LitScene& lit, PatchId patch, FrameIndex frame) 
   if (!direct) return lit.exitance(*emission, patch, frame);
   Rgb arriving = direct_in_frame(patch, frame);
   if (!noise.empty()) {
-    const Rgb variance = direct->variance.at(patch, position.empty() ? frame : position[frame]);
+    const Rgb variance = direct->variance.at(patch, column(frame));
     arriving += noise[patch] * Rgb{std::sqrt(variance.r), std::sqrt(variance.g), std::sqrt(variance.b)};
   }
   return lit.reflectance(patch, frame) * arriving;

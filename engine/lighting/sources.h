@@ -21,9 +21,10 @@ struct GroupSource {
   /// noise_of_direct.
   std::span<const float> noise = {};
 
+  std::uint32_t column(FrameIndex frame) const { return position.empty() ? frame : position[frame]; }
   /// Irradiance from the lights; needs `direct`  [W/m^2]
   Rgb direct_in_frame(PatchId patch, FrameIndex frame) const {
-    return direct->irradiance_w_m2.at(patch, position.empty() ? frame : position[frame]);
+    return direct->irradiance_w_m2.at(patch, column(frame));
   }
   /// S of B = S + rho T B in `frame`  [W/m^2]
   Rgb in_frame(const LitScene& lit, PatchId patch, FrameIndex frame) const;
@@ -32,10 +33,11 @@ struct GroupSource {
 /// Noise of direct light for a replicate, [patch], in standard deviations of the mean direct light in a
 /// frame; empty where these are not known:
 ///
-///     eta_i,r(f) = sqrt(R v_i(f)) (z_i,r - mean_r z_i,r)                     [W/m^2]
+///     eta_i,r(f) = sqrt(R c_b v_i(f)) (z_i,r - mean_r z_i,r)                 [W/m^2]
 ///
 /// R is `replicates`; replicates from R on begin the next block of R, over each of which the noise adds up to
-/// 0. z are independent standard normals, the same for all channels and frames: samples are shared by the
+/// 0. c_b = ((2 b + 1) R - 1) / (R - 1) in block b = 0, 1, ..: then the squares of b + 1 blocks add up to
+/// what gives the variance v_i to the mean of all of them, however many there will be. z are independent standard normals, the same for all channels and frames: samples are shared by the
 /// frames. v is the variance of the mean direct light. The scene at rest has none of it, so that a frame is
 /// the same whatever frames are lit beside it.
 ///

@@ -24,18 +24,6 @@ struct PlacedPatch {
   bool is_back = false;
 };
 
-Vec3 point_on(const PlacedPatch& patch, float a, float b) {
-  const CellCorners& cell = patch.cell;
-  if (cell.count == 3 && a + b > 1.0f) {
-    a = 1.0f - a;
-    b = 1.0f - b;
-  }
-  const int third = cell.count == 3 ? 2 : 3;
-  const float u = cell.u[0] + a * (cell.u[1] - cell.u[0]) + b * (cell.u[third] - cell.u[0]);
-  const float v = cell.v[0] + a * (cell.v[1] - cell.v[0]) + b * (cell.v[third] - cell.v[0]);
-  return patch.facet.origin + u * patch.facet.edge_u + v * patch.facet.edge_v;
-}
-
 /// Density cos(theta) / pi about the normal of the patch's side; turns with the patch.
 Vec3 direction_from(const PlacedPatch& patch, float c, float d) {
   const Vec3 normal = patch.is_back ? -patch.facet.normal : patch.facet.normal;
@@ -93,7 +81,7 @@ class LocalTracer {
       const auto [a, b, c, d] = owen_sobol(k, seed);
       Ray ray;
       ray.direction = direction_from(placed, c, d);
-      ray.origin = point_on(placed, a, b) - (kRunUp * scene_size_m_) * ray.direction;
+      ray.origin = point_in(placed.facet, placed.cell, a, b) - (kRunUp * scene_size_m_) * ray.direction;
       ray.far = 2.0f * scene_size_m_;
       tracer.trace_from(ray, patch, first_slot, last_slot, found);
     }

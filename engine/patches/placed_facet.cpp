@@ -28,6 +28,17 @@ PlacedFacet place(const Facet& facet, const Pose& pose) {
   return placed;
 }
 
+Vec3 point_in(const PlacedFacet& placed, const CellCorners& cell, float a, float b) {
+  if (cell.count == 3 && a + b > 1.0f) {
+    a = 1.0f - a;
+    b = 1.0f - b;
+  }
+  const std::uint32_t last = cell.count - 1;
+  const float u = cell.u[0] + a * (cell.u[1] - cell.u[0]) + b * (cell.u[last] - cell.u[0]);
+  const float v = cell.v[0] + a * (cell.v[1] - cell.v[0]) + b * (cell.v[last] - cell.v[0]);
+  return point_at(placed, u, v);
+}
+
 std::vector<PlacedRange> placed_ranges(const ObjectMotion& motion, std::span<const FrameIndex> frames) {
   std::vector<PlacedRange> ranges;
   for (const PoseSpan& span : motion.spans) {

@@ -24,6 +24,14 @@ struct PlacedFacet {
 
 PlacedFacet place(const Facet& facet, const Pose& pose);
 
+/// In world space  [m]
+inline Vec3 point_at(const PlacedFacet& placed, float u, float v) {
+  return placed.origin + u * placed.edge_u + v * placed.edge_v;
+}
+
+/// A point of a cell of it, uniform by area for a, b uniform in [0, 1)  [m]
+Vec3 point_in(const PlacedFacet& placed, const CellCorners& cell, float a, float b);
+
 /// The slots of a window in which an object holds one pose.
 struct PlacedRange {
   const Pose* pose = nullptr;

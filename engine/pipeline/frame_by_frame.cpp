@@ -13,10 +13,6 @@ namespace {
 
 constexpr std::string_view kName = "frame-by-frame";  ///< of the checkpoint
 
-bool wants_errors(const api::LightingOptions& options) {
-  return options.standard_errors || options.target_error;
-}
-
 struct FrameLight {
   PatchSeries radiosity_w_m2, standard_error_w_m2;  ///< [patch][one frame]
 };
@@ -26,13 +22,9 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
   const FrameIndex frame[] = {0};
   std::vector<LitGroup> groups{{{"", lit.animation.emission, {Rgb{1, 1, 1}}}, {}}};
   const bool apart = options.direct == api::DirectLight::apart;
-  const bool errors = wants_errors(options);
   if (apart) {
-    auto direct =
-        direct_light(lit.patches, lit.animation, groups[0].group.emission, lit.static_rays, frame,
-                     {options.samples_per_light,
-                      errors ? std::clamp(options.samples_per_light, 2u, kReplicatesMin) : 1, options.seed},
-                     part_of(progress, 0, 0.5));
+    auto direct = direct_light(lit.patches, lit.animation, groups[0].group.emission, lit.static_rays, frame,
+                               direct_options(options, options.seed), part_of(progress, 0, 0.5));
     if (!direct) return direct.error();
     groups[0].direct = std::move(*direct);
   }
@@ -55,11 +47,9 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
   FrameLight light;
   const auto all = pointers_to(groups);
   light.radiosity_w_m2 = arriving.mean();
-  if (apart)
-    for (PatchId patch = 0; patch < lit.patches.count(); ++patch)
-      light.radiosity_w_m2.values[patch] += groups[0].direct.irradiance_w_m2.values[patch];
+  if (apart) add(groups[0].direct.irradiance_w_m2, light.radiosity_w_m2);
   to_radiosity(lit, all, frame, light.radiosity_w_m2);
-  if (!errors) return light;
+  if (!wants_errors(options)) return light;
   light.standard_error_w_m2 = arriving.variance();
   to_standard_error(lit, all, frame, light.standard_error_w_m2);
   return light;

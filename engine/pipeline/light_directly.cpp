@@ -36,7 +36,7 @@ class DirectPass {
   api::Result<DirectLight> light(const Emission& emission, std::size_t g, std::size_t count,
                                  StageClock& clock, const Progress& progress) {
     const DirectLighter lighter(lit_.patches, lit_.animation, emission, lit_.static_rays, frames_,
-                                direct_options());
+                                direct_options(options_, seed()));
     DirectLight direct = lighter.empty();
     const PatchId patches = lit_.patches.count();
     const auto share = [&](PatchId patch) {
@@ -65,11 +65,8 @@ class DirectPass {
  private:
   std::chrono::steady_clock::duration took() const { return std::chrono::steady_clock::now() - began_; }
 
-  DirectOptions direct_options() const {
-    const bool wants_errors = options_.standard_errors || options_.target_error;
-    return {options_.samples_per_light,
-            wants_errors ? std::clamp(options_.samples_per_light, 2u, kReplicatesMin) : 1,
-            pass_ == 0 ? options_.seed : stream_seed(options_.seed, 0xd17ec7ull + pass_)};
+  std::uint64_t seed() const {
+    return pass_ == 0 ? options_.seed : stream_seed(options_.seed, 0xd17ec7ull + pass_);
   }
 
   std::string name(std::size_t g) const {
@@ -174,6 +171,11 @@ double noise_of(const LitScene& lit, const std::vector<LitGroup>& groups,
 }
 
 }  // namespace
+
+DirectOptions direct_options(const api::LightingOptions& options, std::uint64_t seed) {
+  return {options.samples_per_light,
+          wants_errors(options) ? std::clamp(options.samples_per_light, 2u, kReplicatesMin) : 1, seed};
+}
 
 double root_mean_square_error(const LitScene& lit, const PatchSeries& standard_error_w_m2) {
   double squares = 0, area = 0;

@@ -19,6 +19,14 @@ inline constexpr std::uint32_t kReplicatesMin = 8;
 /// Samples that a target error may ask of a light, all passes together.
 inline constexpr std::uint32_t kSamplesPerLightMax = 4096;
 
+/// Are the standard errors of a job's light asked for, or needed?
+inline bool wants_errors(const api::LightingOptions& options) {
+  return options.standard_errors || options.target_error;
+}
+
+/// A job's samples, in replicates where errors are wanted.
+DirectOptions direct_options(const api::LightingOptions& options, std::uint64_t seed);
+
 /// Direct light of `groups` in `frames`; with a target error in as many passes as bring its part of the noise
 /// below 1 / sqrt 2 of the target, as far as kSamplesPerLightMax allows. Errors: stopped.
 api::Result<std::vector<LitGroup>> light_directly(const LitScene& lit, std::vector<LightGroup> groups,

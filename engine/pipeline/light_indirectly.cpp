@@ -9,6 +9,7 @@
 #include "engine/keyframes/check_errors.h"
 #include "engine/keyframes/fewest_key_frames.h"
 #include "engine/pipeline/light_directly.h"
+#include "engine/pipeline/target_error.h"
 #include "engine/pipeline/window_solver.h"
 
 namespace engine {
@@ -166,7 +167,7 @@ class IndirectSolver {
       accumulate(*light, skip, first);
       first += (*light)[0].frame_count - skip;
     }
-    keep(counts);
+    counts_ += counts;
     return api::Done{};
   }
 
@@ -175,15 +176,6 @@ class IndirectSolver {
     counts.tracing.touched_lines += lines.counts.touched_lines;
     counts.tracing.local_lines += lines.counts.local_lines;
     counts.moving_exchanges += lines.moving_rows.entry_count();
-  }
-
-  void keep(const SolveCounts& counts) {
-    counts_.tracing += counts.tracing;
-    counts_.exchanges += counts.exchanges;
-    counts_.moving_exchanges += counts.moving_exchanges;
-    counts_.empty_rows += counts.empty_rows;
-    counts_.iterations = std::max(counts_.iterations, counts.iterations);
-    counts_.converged = counts_.converged && counts.converged;
   }
 
   PatchSeries missed_in(const WindowSolver& window, const KeyFrames& part) const {
@@ -196,7 +188,7 @@ class IndirectSolver {
   /// Indirect irradiance of each name (of all groups where there are none).
   api::Result<std::vector<PatchSeries>> light_of(const WindowSolver& window, const Progress& progress) const {
     std::vector<PatchSeries> light;
-    const bool everywhere = splits(options_) && fills_between(options_);
+    const bool everywhere = fills_between(options_);
     const auto count = static_cast<double>(groups_.size());
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       const Progress of_this =
@@ -217,8 +209,7 @@ class IndirectSolver {
   void accumulate(std::vector<PatchSeries>& of_window, std::uint32_t skip, std::uint32_t first) {
     for (std::size_t n = 0; n < names_.size(); ++n) blend(of_window[n], skip, first, done_ + 1, of_name_[n]);
     for (std::size_t n = 1; n < of_window.size(); ++n)
-      for (std::size_t k = 0; k < of_window[0].values.size(); ++k)
-        of_window[0].values[k] += of_window[n].values[k];
+      add(of_window[n], of_window[0]);
     mean_->add(of_window[0], skip, first);
   }
 
@@ -231,6 +222,7 @@ class IndirectSolver {
     missed_.emplace(lit_.patches.count(), static_cast<std::uint32_t>(chosen_.checks.size()));
     done_ = 0;
     counts_ = {};
+    spent_before_ = {};
   }
 
   /// Looks at the check frames; where they show intervals to be bad, splits those and begins again.
@@ -272,34 +264,17 @@ class IndirectSolver {
   /// Where a target error is not met: so many replicates more that it should be.
   void ask_for_more() {
     if (!options_.target_error || replicates_ >= kReplicatesMax) return;
-    const auto all = pointers_to(groups_);
-    PatchSeries arriving = mean_->mean();
-    PatchSeries variance = mean_->variance();
-    if (options_.direct == api::DirectLight::apart) {
-      const PatchSeries direct = direct_irradiance(all, frames_);
-      for (std::size_t k = 0; k < direct.values.size(); ++k) arriving.values[k] += direct.values[k];
-    }
-    to_radiosity(lit_, all, frames_, arriving);
-    const double mean = mean_radiosity(lit_, arriving);
-    PatchSeries from_lines = variance;
-    to_standard_error(lit_, {}, frames_, from_lines);
-    to_standard_error(lit_, all, frames_, variance);
-    if (!(mean > 0)) return;
-    const double whole = root_mean_square_error(lit_, variance) / mean;
-    const double lines = root_mean_square_error(lit_, from_lines) / mean;
-    const double target = *options_.target_error;
-    if (whole <= target) return;
-    const double left = target * target - (whole * whole - lines * lines);  // for lines
-    const double factor = left > 0 ? lines * lines / left : kReplicatesMax;
-    const auto wanted = static_cast<std::uint32_t>(
-        std::clamp<double>(std::ceil(1.05 * factor * replicates_), replicates_ + 1, kReplicatesMax));
-    replicates_ = (wanted + block_ - 1) / block_ * block_;
+    const LinesSpent spent{replicates_, noise_of(lit_, groups_, options_, frames_, *mean_)};
+    const auto wanted = replicates_for(*options_.target_error, spent_before_, spent);
+    spent_before_ = spent;
+    if (wanted > replicates_) replicates_ = (std::min(wanted, kReplicatesMax) + block_ - 1) / block_ * block_;
   }
 
   void save() {
     std::vector<CheckpointPart> parts{part_of_checkpoint(done_),
                                       part_of_checkpoint(replicates_),
                                       part_of_checkpoint(rounds_),
+                                      part_of_checkpoint(spent_before_),
                                       part_of_checkpoint(chosen_.keys),
                                       part_of_checkpoint(chosen_.checks),
                                       part_of_checkpoint(counts_),
@@ -311,23 +286,39 @@ class IndirectSolver {
     (void)checkpoints_.save("indirect", parts);  // one that fails costs time only if the run is killed
   }
 
-  /// Into what begin_replicates() has made room for; a checkpoint is whole, and of this job, or not there.
+  /// A checkpoint is whole, and of this job, or not there.
   bool load() {
     auto saved = checkpoints_.load("indirect");
-    std::uint32_t done = 0;
-    if (!saved || !saved->take(done) || !saved->take(replicates_) || !saved->take(rounds_) ||
-        !saved->take(chosen_.keys) || !saved->take(chosen_.checks))
+    std::uint32_t done = 0, replicates = 0, rounds = 0;
+    LinesSpent spent;
+    KeyFrames chosen = chosen_;
+    if (!saved || !saved->take(done) || !saved->take(replicates) || !saved->take(rounds) ||
+        !saved->take(spent) ||
+        !saved->take(chosen.keys) || !saved->take(chosen.checks))
       return false;
-    merge_solved(chosen_);
+    merge_solved(chosen);
+    std::swap(chosen, chosen_);
     begin_replicates();
+    if (!take_replicates(*saved, done)) {
+      chosen_ = chosen;
+      begin_replicates();
+      return false;
+    }
+    replicates_ = replicates;
+    rounds_ = rounds;
+    spent_before_ = spent;
+    return true;
+  }
+
+  /// Into what begin_replicates() has made room for.
+  bool take_replicates(SavedCheckpoint& saved, std::uint32_t done) {
     done_ = done;
     mean_->set_count(done);
     missed_->set_count(done);
-    bool whole = saved->take(counts_) && saved->take(missed_->mean_values().values) &&
-                 saved->take(missed_->squares().values) && saved->take(mean_->mean_values().values) &&
-                 saved->take(mean_->squares().values);
-    for (PatchSeries& series : of_name_) whole = whole && saved->take(series.values);
-    if (!whole) begin_replicates();
+    bool whole = saved.take(counts_) && saved.take(missed_->mean_values().values) &&
+                 saved.take(missed_->squares().values) && saved.take(mean_->mean_values().values) &&
+                 saved.take(mean_->squares().values);
+    for (PatchSeries& series : of_name_) whole = whole && saved.take(series.values);
     return whole;
   }
 
@@ -357,6 +348,7 @@ class IndirectSolver {
   std::optional<ReplicateMean> missed_;
   std::vector<double> observed_;
   std::uint32_t rounds_ = 0;
+  LinesSpent spent_before_;  ///< when it was last found to be too little
   SolveCounts counts_;
 };
 

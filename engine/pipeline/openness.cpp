@@ -21,15 +21,6 @@ Vec3 cosine_direction(Vec3 normal, float a, float b) {
   return radius * std::cos(angle) * s + radius * std::sin(angle) * t + std::sqrt(1 - a) * normal;
 }
 
-/// A point of the cell, uniform by area.
-Vec3 point_in(const PlacedFacet& placed, const CellCorners& cell, float a, float b) {
-  if (cell.count == 3 && a + b > 1) a = 1 - a, b = 1 - b;
-  const std::uint32_t last = cell.count - 1;
-  const float u = cell.u[0] + a * (cell.u[1] - cell.u[0]) + b * (cell.u[last] - cell.u[0]);
-  const float v = cell.v[0] + a * (cell.v[1] - cell.v[0]) + b * (cell.v[last] - cell.v[0]);
-  return placed.origin + u * placed.edge_u + v * placed.edge_v;
-}
-
 float openness_of(const Patches& patches, PatchId patch, const Pose& pose, const StaticRays& static_rays,
                   float reach_m, std::uint64_t seed) {
   const Facet& facet = patches.facets[patches.facet_of[patch]];

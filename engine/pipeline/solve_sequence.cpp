@@ -80,10 +80,7 @@ class Composer {
   /// Of the groups named `name`, or of all (null); `indirect` in their frames.
   PatchSeries radiosity(const std::string* name, PatchSeries indirect) const {
     const auto of_name = named(name);
-    if (options_.direct == api::DirectLight::apart) {
-      const PatchSeries direct = direct_irradiance(of_name, frames_);
-      for (std::size_t k = 0; k < direct.values.size(); ++k) indirect.values[k] += direct.values[k];
-    }
+    if (options_.direct == api::DirectLight::apart) add(direct_irradiance(of_name, frames_), indirect);
     to_radiosity(lit_, of_name, frames_, indirect);
     return in_every_frame(std::move(indirect), options_.interpolation);
   }
@@ -116,8 +113,7 @@ class Composer {
 /// The groups of a job together have all its light.
 PatchSeries sum_of(std::span<const NamedSeries> groups) {
   PatchSeries sum = groups[0].values_w_m2;
-  for (const NamedSeries& group : groups.subspan(1))
-    for (std::size_t k = 0; k < sum.values.size(); ++k) sum.values[k] += group.values_w_m2.values[k];
+  for (const NamedSeries& group : groups.subspan(1)) add(group.values_w_m2, sum);
   return sum;
 }
 

@@ -85,8 +85,7 @@ LitFrames light_frames(const ReadyScene& ready, const std::vector<engine::FrameI
   lit.radiosity = lit.indirect;
   if (options.direct == api::DirectLight::apart) {
     lit.direct = groups[0].direct.irradiance_w_m2;
-    for (std::size_t k = 0; k < lit.direct.values.size(); ++k)
-      lit.radiosity.values[k] += lit.direct.values[k];
+    add(lit.direct, lit.radiosity);
   }
   engine::to_radiosity(ready.lit, engine::pointers_to(groups), frames, lit.radiosity);
   return lit;
