@@ -61,7 +61,8 @@ def main():
     wrong = {str(path): found for path in accepted if (found := errors(job, json.loads(path.read_text())))}
 
     # Of what is refused, the schema sees all but what needs more than one value (or the OBJ) to be seen.
-    beyond = {"not_increasing", "unknown_camera", "unknown_object", "unknown_parent", "cycle", "no_light", "syntax", "too_deep"}
+    beyond = {"not_increasing", "unknown_camera", "unknown_object", "unknown_material", "unknown_light", "unknown_parent",
+              "cycle", "no_light", "limit_exceeded", "not_affine", "duplicate_key", "syntax", "too_deep"}
     problem = jsonschema.Draft202012Validator(schema("problem"))
     for folder in sorted(path for path in (EXAMPLES / "rejected").iterdir() if path.is_dir()):
         expected = json.loads((folder / "expected.json").read_text())

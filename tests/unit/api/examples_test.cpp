@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,11 @@ std::vector<std::string> places(const ParsedJson& errors) {
   return list;
 }
 
-/// Only the OBJ can tell these, so they are left to whoever reads it.
-bool needs_obj(const ParsedJson& error) {
-  return error["file"] != "animation.json" || error["code"] == "unknown_object" ||
-         error["code"] == "no_light";
+/// Only the scene can tell these, so they are left to whoever reads it.
+bool needs_scene(const ParsedJson& error) {
+  const std::set<std::string> of_the_scene{"unknown_object", "unknown_material", "unknown_light", "no_light",
+                                           "limit_exceeded"};
+  return error["file"] != "animation.json" || of_the_scene.contains(error["code"]);
 }
 
 std::string animation_of(const std::filesystem::path& folder) {
@@ -45,7 +47,7 @@ TEST_P(RejectedExample, IsRefusedWithExactlyTheErrorsItStates) {
   EXPECT_EQ(expected["status"], 422);
   ASSERT_FALSE(expected["errors"].empty());
   const auto request = parse_job_request(animation_of(GetParam()));
-  if (needs_obj(expected["errors"][0])) {
+  if (needs_scene(expected["errors"][0])) {
     EXPECT_TRUE(request) << problem_json(request.error(), 422, "Unprocessable Content");
     return;
   }
@@ -66,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(Examples, RejectedExample, testing::ValuesIn(rejected_e
                          [](const auto& example) { return example.param.filename().string(); });
 
 TEST(RejectedExamples, CoverEveryKindOfBadInput) {
-  EXPECT_GE(rejected_examples().size(), 14u);
+  EXPECT_GE(rejected_examples().size(), 29u);
 }
 
 TEST(RejectedExamples, UnknownFieldComesWithTheNearestOne) {

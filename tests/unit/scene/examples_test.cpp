@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/json/json_text.h"
 #include "engine/animation/animation.h"
 #include "tests/unit/scene/scene_folder.h"
 
@@ -57,30 +56,6 @@ INSTANTIATE_TEST_SUITE_P(Jobs, Example, testing::ValuesIn(jobs_in(kExamples)), n
 TEST(Examples, AreMoreThanOne) {
   EXPECT_GE(jobs_in(kExamples).size(), 2u);
 }
-
-/// {"code", "file", "line", ...} of each error, without its sentence.
-std::vector<std::string> places(const api::ParsedJson& errors) {
-  std::vector<std::string> list;
-  for (auto error : errors) {
-    error.erase("detail");
-    list.push_back(error.dump());
-  }
-  return list;
-}
-
-class RejectedScene : public testing::TestWithParam<std::filesystem::path> {};
-
-TEST_P(RejectedScene, IsRefusedWithExactlyTheErrorsItStates) {
-  const auto request = api::parse_job_request(read_file(GetParam() / "animation.json"));
-  if (!request) return;  // the JSON is what is wrong; the tests of api/ see to it
-  const auto expected = api::ParsedJson::parse(read_file(GetParam() / "expected.json"));
-  const auto scene = load_scene(GetParam(), request->scene);
-  ASSERT_FALSE(scene);
-  const auto problem = api::ParsedJson::parse(api::problem_json(scene.error(), 422, "Unprocessable Content"));
-  EXPECT_EQ(places(problem["errors"]), places(expected["errors"])) << problem.dump(2);
-}
-
-INSTANTIATE_TEST_SUITE_P(Jobs, RejectedScene, testing::ValuesIn(jobs_in(kExamples / "rejected")), name_of);
 
 }  // namespace
 }  // namespace engine
