@@ -1,6 +1,7 @@
 """Writes what the examples' make_scene.py compute: OBJ and JSON, the same bytes on every machine."""
 
 import json
+import math
 import pathlib
 import sys
 
@@ -54,8 +55,30 @@ class Obj:
         normal[axis] = facing
         self.polygon(corners, normal)
 
+    def room(self, low, high):
+        """A box seen from within, z up: floor, ceiling and walls of the materials of these names."""
+        self.object("room")
+        self.material("floor")
+        self.side(low, high, 2, low[2], 1)
+        self.material("ceiling")
+        self.side(low, high, 2, high[2], -1)
+        self.material("wall")
+        for axis in (0, 1):
+            self.side(low, high, axis, low[axis], 1)
+            self.side(low, high, axis, high[axis], -1)
+
     def text(self):
         return "\n".join(self.lines) + "\n"
+
+
+def mtl(reflectance, exitance_w_m2):
+    """Materials: {name: reflectance} and, of those that emit, {name: exitance}; both red, green, blue."""
+    lines = ["# Kd is the reflectance, Ke the emitted radiance: exitance / pi. Written by make_scene.py."]
+    for name, rgb in reflectance.items():
+        lines += ["", f"newmtl {name}", "Kd " + " ".join(str(rho) for rho in rgb)]
+        if name in exitance_w_m2:
+            lines.append("Ke " + " ".join(str(tidy(e / math.pi)) for e in exitance_w_m2[name]))
+    return "\n".join(lines) + "\n"
 
 
 def keys(values, **more):

@@ -14,27 +14,19 @@ import sys
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from model_plane import add_plane  # noqa: E402
-from scene_writer import Obj, json_text, keys, tidy, write  # noqa: E402
+from scene_writer import Obj, json_text, keys, mtl, write  # noqa: E402
 
 FRAMES = 120
 ROOM = (-15, -9, 0), (15, 9, 4)
 LAMP_SIZE = 1.2, 0.6
 LAMP_Z = 3.98
 LAMP_EXITANCE_W_M2 = 23
+REFLECTANCE = {"floor": 0.3, "ceiling": 0.7, "wall": 0.5, "plane": 0.6}
 
 
 def garage():
     obj = Obj("Garage: room, lamps and plane. Metres, z up. Written by make_scene.py.", "garage.mtl")
-    low, high = ROOM
-    obj.object("room")
-    obj.material("floor")
-    obj.side(low, high, 2, low[2], 1)
-    obj.material("ceiling")
-    obj.side(low, high, 2, high[2], -1)
-    obj.material("wall")
-    for axis in (0, 1):
-        obj.side(low, high, axis, low[axis], 1)
-        obj.side(low, high, axis, high[axis], -1)
+    obj.room(*ROOM)
 
     obj.object("lamps")
     for column in range(-2, 3):
@@ -91,19 +83,15 @@ def animation(name, middle_lamp_w_m2):
     }) + "\n"
 
 
-def mtl():
-    radiance = tidy(LAMP_EXITANCE_W_M2 / math.pi)
-    lines = ["# Kd is the reflectance, Ke the emitted radiance: exitance / pi. Written by make_scene.py."]
-    for name, reflectance in (("floor", 0.3), ("ceiling", 0.7), ("wall", 0.5), ("plane", 0.6)):
-        lines += ["", f"newmtl {name}", f"Kd {reflectance} {reflectance} {reflectance}"]
-    for name in ("lamp", "lamp_0_0"):
-        lines += ["", f"newmtl {name}", "Kd 0 0 0", f"Ke {radiance} {radiance} {radiance}"]
-    return "\n".join(lines) + "\n"
+def materials():
+    lamps = ("lamp", "lamp_0_0")
+    reflectance = {name: (rho,) * 3 for name, rho in REFLECTANCE.items()} | {name: (0,) * 3 for name in lamps}
+    return mtl(reflectance, {name: (LAMP_EXITANCE_W_M2,) * 3 for name in lamps})
 
 
 write(__file__, {
     "scene.obj": garage(),
-    "garage.mtl": mtl(),
+    "garage.mtl": materials(),
     "animation.json": animation("garage", LAMP_EXITANCE_W_M2),
     "animation_light_off.json": animation("garage, middle lamp off", 0),
 })

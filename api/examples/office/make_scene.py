@@ -9,7 +9,6 @@ Radiosity Sequences": about 4,200 polygons of which 500 move, 120 frames. Metres
 usage: make_scene.py [FOLDER]    writes scene.obj, office.mtl and animation.json
 """
 
-import math
 import pathlib
 import random
 import sys
@@ -22,7 +21,7 @@ import rooms  # noqa: E402
 from model_plane import add_plane  # noqa: E402
 from place import Place, SharedObj  # noqa: E402
 from robot import add_robot  # noqa: E402
-from scene_writer import json_text, tidy, write  # noqa: E402
+from scene_writer import json_text, mtl, write  # noqa: E402
 
 PLANE_SCALE = 0.3
 POLYGONS, MOVING_POLYGONS = (4100, 4300), (480, 520)
@@ -139,13 +138,4 @@ def animation():
     }) + "\n"
 
 
-def mtl():
-    lines = ["# Kd is the reflectance, Ke the emitted radiance: exitance / pi. Written by make_scene.py."]
-    for name, reflectance in REFLECTANCE.items():
-        lines += ["", f"newmtl {name}", "Kd " + " ".join(str(rho) for rho in reflectance)]
-        if name in LAMPS:
-            lines.append("Ke " + " ".join(str(tidy(e / math.pi)) for e in LAMPS[name]))
-    return "\n".join(lines) + "\n"
-
-
-write(__file__, {"scene.obj": office(), "office.mtl": mtl(), "animation.json": animation()})
+write(__file__, {"scene.obj": office(), "office.mtl": mtl(REFLECTANCE, LAMPS), "animation.json": animation()})

@@ -15,7 +15,7 @@ import sys
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from model_plane import add_plane, headings  # noqa: E402
-from scene_writer import Obj, json_text, keys, tidy, write  # noqa: E402
+from scene_writer import Obj, json_text, keys, mtl, write  # noqa: E402
 
 FRAMES = 120
 ROOM = (-4, -3, 0), (4, 3, 3.2)
@@ -36,16 +36,7 @@ REFLECTANCE = {
 
 def room():
     obj = Obj("Room: lamp, two cubes and plane. Metres, z up. Written by make_scene.py.", "room.mtl")
-    low, high = ROOM
-    obj.object("room")
-    obj.material("floor")
-    obj.side(low, high, 2, low[2], 1)
-    obj.material("ceiling")
-    obj.side(low, high, 2, high[2], -1)
-    obj.material("wall")
-    for axis in (0, 1):
-        obj.side(low, high, axis, low[axis], 1)
-        obj.side(low, high, axis, high[axis], -1)
+    obj.room(*ROOM)
     obj.object("lamp")
     obj.material("lamp")
     obj.side(*LAMP, 2, LAMP[0][2], -1)
@@ -87,12 +78,4 @@ def animation():
     }) + "\n"
 
 
-def mtl():
-    lines = ["# Kd is the reflectance, Ke the emitted radiance: exitance / pi. Written by make_scene.py."]
-    for name, reflectance in REFLECTANCE.items():
-        lines += ["", f"newmtl {name}", "Kd " + " ".join(str(rho) for rho in reflectance)]
-    radiance = tidy(LAMP_EXITANCE_W_M2 / math.pi)
-    return "\n".join(lines + [f"Ke {radiance} {radiance} {radiance}"]) + "\n"
-
-
-write(__file__, {"scene.obj": room(), "room.mtl": mtl(), "animation.json": animation()})
+write(__file__, {"scene.obj": room(), "room.mtl": mtl(REFLECTANCE, {"lamp": (LAMP_EXITANCE_W_M2,) * 3}), "animation.json": animation()})
