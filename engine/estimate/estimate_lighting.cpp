@@ -49,7 +49,10 @@ api::Status Estimator::light_directly(std::span<const LightGroup> groups, const 
     if (!direct) return direct.error();
     estimate.groups.back().direct = std::move(*direct);
   }
-  if (apart) direct_ = direct_irradiance(pointers_to(estimate.groups), frames);
+  if (apart) {
+    direct_ = PatchSeries(estimate.patches.count(), animation_->frame_count);
+    add_direct_irradiance(pointers_to(estimate.groups), frames, direct_);
+  }
   const bool total = options_->interpolated == api::Interpolated::total;
   const PatchSeries none(estimate.patches.count(), animation_->frame_count);
   irradiance_.assign(kEstimateReplicates, none);

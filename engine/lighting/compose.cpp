@@ -52,11 +52,9 @@ void add_scaled(const LightGroup& group, const PatchSeries& part, std::span<cons
   });
 }
 
-PatchSeries direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames) {
-  const PatchSeries& first = groups[0]->direct.irradiance_w_m2;
-  PatchSeries sum(first.patch_count, first.frame_count);
+void add_direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames,
+                           PatchSeries& sum) {
   for (const LitGroup* lit : groups) add_scaled(lit->group, lit->direct.irradiance_w_m2, frames, sum);
-  return sum;
 }
 
 void to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,

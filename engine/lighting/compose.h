@@ -19,9 +19,10 @@ struct LitGroup {
 
 std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups);
 
-/// Irradiance from all of `groups`, sum_g scale_g(f) H_g  [W/m^2], [patch][position in `frames`], which are
-/// those their direct light was computed for.
-PatchSeries direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames);
+/// Adds the irradiance from all of `groups`, sum_g scale_g(f) H_g  [W/m^2], [patch][position in `frames`],
+/// which are those their direct light was computed for.
+void add_direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames,
+                           PatchSeries& sum);
 
 /// B = E + rho H, in place: H, all the irradiance that arrives, becomes B  [W/m^2]. 0 in frames where the
 /// patch's object is not there.

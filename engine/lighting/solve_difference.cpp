@@ -68,18 +68,15 @@ api::Result<DifferenceLight> solve_difference(const WindowScene& window, const C
 
   DifferenceLight light;
   light.irradiance_w_m2 = PatchSeries(patches, columns.count());
-  light.carried_w_m2 = PatchSeries(patches, columns.count());
   PatchSeries r = source;
   std::vector<float> changes(patches);
   ConvergenceTest test;
   do {
     const bool went_on = for_each_patch(patches, progress, [&](PatchId patch) {
-      Rgb* carried = light.carried_w_m2.row(patch);
       Rgb* arriving = light.irradiance_w_m2.row(patch);
-      sampled.gather_at_rest(r, patch, carried);
-      std::copy_n(of_rest.row(patch), columns.count(), arriving);
+      sampled.gather_at_rest(r, patch, arriving);
+      for (std::uint32_t c = 0; c < columns.count(); ++c) arriving[c] += of_rest.at(patch, c);
       sampled.add_moving(r, columns, patch, arriving);
-      for (std::uint32_t c = 0; c < columns.count(); ++c) arriving[c] += carried[c];
     });
     if (!went_on) return api::Error{api::Fault::stopped, "stopped while solving"};
     for_each_patch(patches, {}, [&](PatchId patch) {
@@ -89,6 +86,7 @@ api::Result<DifferenceLight> solve_difference(const WindowScene& window, const C
     test.add(*std::max_element(changes.begin(), changes.end()), mean, light.convergence);
     progress.report(test.fraction(light.convergence));
   } while (!test.may_end(light.convergence));
+  light.carried_w_m2 = PatchSeries(patches, columns.count());
   for (std::size_t k = 0; k < r.values.size(); ++k) r.values[k] = r.values[k] - source.values[k];
   for_each_patch(patches, {},
                  [&](PatchId patch) { sampled.gather_at_rest(r, patch, light.carried_w_m2.row(patch)); });

@@ -37,9 +37,10 @@ struct GroupSource {
 ///
 /// R is `replicates`; replicates from R on begin the next block of R, over each of which the noise adds up to
 /// 0. c_b = ((2 b + 1) R - 1) / (R - 1) in block b = 0, 1, ..: then the squares of b + 1 blocks add up to
-/// what gives the variance v_i to the mean of all of them, however many there will be. z are independent standard normals, the same for all channels and frames: samples are shared by the
-/// frames. v is the variance of the mean direct light. The scene at rest has none of it, so that a frame is
-/// the same whatever frames are lit beside it.
+/// what gives the variance v_i to the mean of all of them, however many there will be. z are independent
+/// standard normals, the same for all channels and frames: samples are shared by the frames. v is the
+/// variance of the mean direct light. The scene at rest has none of it, so that a frame is the same whatever
+/// frames are lit beside it.
 ///
 /// Why: the replicates of lines share one direct light, so what its noise does to the light that is reflected
 /// would not be seen in their scatter. The noise of all replicates adds up to 0, light is linear, so their

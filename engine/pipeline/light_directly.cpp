@@ -164,7 +164,8 @@ double noise_of(const LitScene& lit, const std::vector<LitGroup>& groups,
   const auto all = pointers_to(groups);
   PatchSeries error(lit.patches.count(), static_cast<std::uint32_t>(frames.size()));
   to_standard_error(lit, all, frames, error);
-  PatchSeries reflected = direct_irradiance(all, frames);
+  PatchSeries reflected(lit.patches.count(), static_cast<std::uint32_t>(frames.size()));
+  add_direct_irradiance(all, frames, reflected);
   to_radiosity(lit, all, frames, reflected);
   const double mean = mean_radiosity(lit, reflected);
   return mean > 0 ? root_mean_square_error(lit, error) / mean : 0;

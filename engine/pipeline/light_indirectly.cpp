@@ -208,8 +208,7 @@ class IndirectSolver {
   /// Takes the light of one window, columns from `skip` on, into the means, at column `first`.
   void accumulate(std::vector<PatchSeries>& of_window, std::uint32_t skip, std::uint32_t first) {
     for (std::size_t n = 0; n < names_.size(); ++n) blend(of_window[n], skip, first, done_ + 1, of_name_[n]);
-    for (std::size_t n = 1; n < of_window.size(); ++n)
-      add(of_window[n], of_window[0]);
+    for (std::size_t n = 1; n < of_window.size(); ++n) add(of_window[n], of_window[0]);
     mean_->add(of_window[0], skip, first);
   }
 
@@ -293,8 +292,7 @@ class IndirectSolver {
     LinesSpent spent;
     KeyFrames chosen = chosen_;
     if (!saved || !saved->take(done) || !saved->take(replicates) || !saved->take(rounds) ||
-        !saved->take(spent) ||
-        !saved->take(chosen.keys) || !saved->take(chosen.checks))
+        !saved->take(spent) || !saved->take(chosen.keys) || !saved->take(chosen.checks))
       return false;
     merge_solved(chosen);
     std::swap(chosen, chosen_);

@@ -80,7 +80,7 @@ class Composer {
   /// Of the groups named `name`, or of all (null); `indirect` in their frames.
   PatchSeries radiosity(const std::string* name, PatchSeries indirect) const {
     const auto of_name = named(name);
-    if (options_.direct == api::DirectLight::apart) add(direct_irradiance(of_name, frames_), indirect);
+    if (options_.direct == api::DirectLight::apart) add_direct_irradiance(of_name, frames_, indirect);
     to_radiosity(lit_, of_name, frames_, indirect);
     return in_every_frame(std::move(indirect), options_.interpolation);
   }
@@ -217,7 +217,7 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
       of_name.empty() ? composer.radiosity(nullptr, indirect->irradiance_w_m2.mean()) : sum_of(of_name);
   solved.key_frames = report_of(*chosen, options, lit.animation.frame_count);
   observe(*chosen, indirect->observed_error, options, solved.key_frames);
-  if (indirect->irradiance_w_m2.count() > 1 && (options.standard_errors || options.target_error)) {
+  if (indirect->irradiance_w_m2.count() > 1 && wants_errors(options)) {
     PatchSeries error = composer.standard_error(indirect->irradiance_w_m2.variance());
     report_noise(lit, solved, error, options, report);
     if (options.standard_errors) solved.others.push_back({kStandardErrorFile, std::move(error)});

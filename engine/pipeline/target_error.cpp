@@ -12,7 +12,7 @@ Noise noise_of(const LitScene& lit, const std::vector<LitGroup>& groups, const a
                std::span<const FrameIndex> frames, const ReplicateMean& arriving) {
   const auto all = pointers_to(groups);
   PatchSeries radiosity = arriving.mean();
-  if (options.direct == api::DirectLight::apart) add(direct_irradiance(all, frames), radiosity);
+  if (options.direct == api::DirectLight::apart) add_direct_irradiance(all, frames, radiosity);
   to_radiosity(lit, all, frames, radiosity);
   const double mean = mean_radiosity(lit, radiosity);
   if (!(mean > 0)) return {};

@@ -40,7 +40,8 @@ struct TwoGroups {
 
 TEST(Compose, DirectLightOfGroupsIsAddedWithTheirScales) {
   const TwoGroups lit;
-  const PatchSeries sum = direct_irradiance(lit.both, lit.frames);
+  PatchSeries sum(lit.room.patches.count(), 2);
+  add_direct_irradiance(lit.both, lit.frames, sum);
   for (PatchId patch = 0; patch < sum.patch_count; ++patch) {
     ASSERT_EQ(sum.at(patch, 0), (Rgb{3, 1, 0}));
     ASSERT_EQ(sum.at(patch, 1), (Rgb{3, 4, 0}));

@@ -119,7 +119,8 @@ std::vector<LitGroup> light(const LitRoom& room, const api::LightingOptions& opt
 double noise(const LitRoom& room, const std::vector<LitGroup>& groups) {
   const auto all = pointers_to(groups);
   const auto frames = room.all_frames();
-  PatchSeries error(room.patches.count(), kFrames), reflected = direct_irradiance(all, frames);
+  PatchSeries error(room.patches.count(), kFrames), reflected = error;
+  add_direct_irradiance(all, frames, reflected);
   to_standard_error(room.lit(), all, frames, error);
   to_radiosity(room.lit(), all, frames, reflected);
   return root_mean_square_error(room.lit(), error) / mean_radiosity(room.lit(), reflected);
