@@ -4,6 +4,7 @@
 #include "api/json/names.h"
 #include "api/json/parents.h"
 #include "api/json/strict_check.h"
+#include "api/read_request.h"
 
 namespace api {
 namespace {
@@ -83,13 +84,21 @@ JobRequest read_job(const Node& root) {
 
 }  // namespace
 
-Result<JobRequest> parse_job_request(std::string_view bytes, std::string_view file) {
+ReadRequest read_request(std::string_view bytes, std::string_view file) {
   Findings findings{std::string(file), {}};
-  const auto json = parse_strictly(bytes, file, JsonLimits{}, findings.violations);
-  if (!json) return refusal(file, std::move(findings.violations));
-  JobRequest request = read_job({&*json, "", &findings});
-  if (!findings.violations.empty()) return refusal(file, std::move(findings.violations));
-  return request;
+  ReadRequest read;
+  if (const auto json = parse_strictly(bytes, file, JsonLimits{}, findings.violations)) {
+    read.is_document = true;
+    read.request = read_job({&*json, "", &findings});
+  }
+  read.violations = std::move(findings.violations);
+  return read;
+}
+
+Result<JobRequest> parse_job_request(std::string_view bytes, std::string_view file) {
+  ReadRequest read = read_request(bytes, file);
+  if (!read.violations.empty()) return refusal(file, std::move(read.violations));
+  return std::move(read.request);
 }
 
 }  // namespace api

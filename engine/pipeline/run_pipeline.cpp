@@ -13,6 +13,7 @@
 #include "engine/pipeline/solve_sequence.h"
 #include "engine/pipeline/solved_checkpoint.h"
 #include "engine/pipeline/stage_clock.h"
+#include "engine/scene/refuse_scene.h"
 
 namespace engine {
 namespace {
@@ -154,6 +155,11 @@ api::Status check_job(const api::JobRequest& request, const std::filesystem::pat
   if (!job) return job.error();
   (void)forecast_job(*job, threads, report);
   return api::Done{};
+}
+
+api::Error refuse_job(const api::ReadRequest& read, const std::filesystem::path& input_folder,
+                      const std::function<bool()>& stop_requested) {
+  return refuse_scene(input_folder, read, {}, read_texture, stop_requested);
 }
 
 }  // namespace engine

@@ -8,6 +8,7 @@
 #include "api/job_report.h"
 #include "api/job_request.h"
 #include "api/progress_line.h"
+#include "api/read_request.h"
 #include "api/result.h"
 #include "engine/base/checkpoint.h"
 
@@ -37,5 +38,9 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
 /// Errors: those of load_scene, check_poses and check_*_size (limits.h).
 api::Status check_job(const api::JobRequest& request, const std::filesystem::path& input_folder,
                       unsigned threads, api::JobReport& report);
+
+/// Why a job is refused whose animation.json is wrong: as refuse_scene, the textures read.
+api::Error refuse_job(const api::ReadRequest& read, const std::filesystem::path& input_folder,
+                      const std::function<bool()>& stop_requested);
 
 }  // namespace engine

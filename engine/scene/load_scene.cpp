@@ -3,12 +3,13 @@
 #include <string_view>
 
 #include "api/pointer_step.h"
-#include "api/refusal_text.h"
 #include "engine/scene/clean_polygons.h"
 #include "engine/scene/corner_attributes.h"
+#include "engine/scene/found.h"
 #include "engine/scene/input_files.h"
 #include "engine/scene/names.h"
 #include "engine/scene/obj_file.h"
+#include "engine/scene/refuse_scene.h"
 #include "engine/scene/resolve_materials.h"
 #include "engine/scene/scene.h"
 
@@ -18,7 +19,6 @@ namespace {
 constexpr const char* kObj = "scene.obj";
 constexpr const char* kAnimation = "animation.json";
 
-using Violations = std::vector<api::Violation>;
 using Objects = std::map<std::string, api::ObjectAnimation>;
 
 /// [0] is "", then the objects of animation.json in the order of the map.
@@ -94,9 +94,18 @@ api::Error stopped() {
   return {api::Fault::stopped, "stopped while reading the scene"};
 }
 
-api::Error refused(Violations all) {
-  std::string message = api::refusal_text("the scene", all.size());
-  return {api::Fault::invalid_request, std::move(message), std::move(all)};
+/// Does one of the violations concern the value at `pointer`, or one that holds it?
+bool concerns(const Violations& violations, const std::string& pointer) {
+  return std::any_of(violations.begin(), violations.end(), [&](const api::Violation& v) {
+    return v.pointer == pointer || v.pointer.starts_with(pointer + '/') ||
+           pointer.starts_with(v.pointer + '/');
+  });
+}
+
+/// Is what animation.json says of the material known, for all that is wrong with that file?
+bool knows_settings(const api::ReadRequest& read, const std::string& material) {
+  if (!read.is_document || read.violations.size() >= api::kViolationsMax) return false;
+  return !concerns(read.violations, "/materials/" + api::pointer_step(material));
 }
 
 }  // namespace
@@ -105,36 +114,56 @@ api::Result<Texture> refuse_texture(const std::filesystem::path&, std::size_t) {
   return api::Error{api::Fault::invalid_request, "textures are not read here"};
 }
 
-api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
-                              const api::SceneDescription& description, const SceneLimits& limits,
-                              const TextureReader& texture_reader,
-                              const std::function<bool()>& stop_requested) {
-  const std::vector<std::string> animated = animated_names(description);
-  if (animated.size() > limits.objects)
+namespace {
+
+/// What load_scene is given.
+struct Input {
+  const std::filesystem::path& folder;
+  const api::SceneDescription& description;
+  const api::ReadRequest* refused;  ///< animation.json where it is wrong, else null
+  const SceneLimits& limits;
+  const TextureReader& texture_reader;
+  const std::function<bool()>& stop_requested;
+};
+
+/// Reads the OBJ and checks the names that animation.json has in it.
+api::Result<ObjFile> read_obj(const Input& input, const std::vector<std::string>& animated, Found& found,
+                              std::vector<std::string>& warnings) {
+  const api::SceneDescription& description = input.description;
+  FileViolations in_obj{kObj, found.obj};
+  auto obj = read_obj_file(input.folder / kObj, animated, description.metres_per_unit, input.limits, in_obj,
+                           input.stop_requested);
+  if (!obj) return obj;
+  if (input.stop_requested()) return stopped();
+  if (in_obj.full()) return obj;  // its end was not reached: nothing is known to be missing
+  obj->ignored.report(kObj, warnings);
+  if (obj->face_statements == 0)
+    in_obj.add(0, 0, "no_faces", "there is no polygon ('f') in the file: nothing to light");
+  check_objects(*obj, animated, found.names);
+  if (!input.refused) {  // else that was checked with the rest of animation.json
+    check_parents("objects", description.objects, description.objects, animated, found.names);
+    check_parents("lights", description.lights, description.objects, animated, found.names);
+  }
+  return obj;
+}
+
+/// Reads what there is into `scene`, and adds to `found` what is wrong with it. An error: it ended early.
+api::Status read(const Input& input, Scene& scene, Found& found) {
+  const std::vector<std::string> animated = animated_names(input.description);
+  if (animated.size() > input.limits.objects)
     return api::Error{api::Fault::out_of_resources,
                       "animation.json animates more objects than this service allows",
                       {{kAnimation, "/objects", 0, 0, "limit_exceeded",
-                        "more than " + std::to_string(limits.objects) + " objects"}}};
-  Violations all;
-  FileViolations in_obj{kObj, all};
-  auto obj = read_obj_file(input_folder / kObj, animated, description.metres_per_unit, limits, in_obj,
-                           stop_requested);
+                        "more than " + std::to_string(input.limits.objects) + " objects"}}};
+  auto obj = read_obj(input, animated, found, scene.warnings);
   if (!obj) return obj.error();
-  if (in_obj.full()) return refused(std::move(all));
-  if (stop_requested()) return stopped();
-
-  Scene scene;
-  obj->ignored.report(kObj, scene.warnings);
-  if (obj->face_statements == 0)
-    in_obj.add(0, 0, "no_faces", "there is no polygon ('f') in the file: nothing to light");
-  check_objects(*obj, animated, all);
-  check_parents("objects", description.objects, description.objects, animated, all);
-  check_parents("lights", description.lights, description.objects, animated, all);
-  auto materials = resolve_materials(*obj, list_input_files(input_folder), description, limits,
-                                     texture_reader, all, scene.warnings);
+  KnownParts known{.all_uses = found.obj.size() < api::kViolationsMax};
+  if (input.refused)
+    known.settings = [&](const std::string& material) { return knows_settings(*input.refused, material); };
+  auto materials = resolve_materials(*obj, list_input_files(input.folder), input.description, known,
+                                     input.limits, input.texture_reader, found.materials, scene.warnings);
   if (!materials) return materials.error();
-  if (stop_requested()) return stopped();
-  if (!all.empty()) return refused(std::move(all));
+  if (input.stop_requested()) return stopped();
 
   scene.vertices = std::move(obj->vertices);
   scene.corners = std::move(obj->corners);
@@ -146,15 +175,47 @@ api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
   scene.materials = std::move(materials->materials);
   scene.textures = std::move(materials->textures);
   for (const std::string& name : animated) scene.objects.push_back({name});
+  return api::Done{};
+}
+
+}  // namespace
+
+api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
+                              const api::SceneDescription& description, const SceneLimits& limits,
+                              const TextureReader& texture_reader,
+                              const std::function<bool()>& stop_requested) {
+  Scene scene;
+  Found found;
+  const Input input{input_folder, description, nullptr, limits, texture_reader, stop_requested};
+  if (const api::Status whole = read(input, scene, found); !whole) return whole.error();
+  if (!found.is_empty()) return refused(found);
   settle_corner_attributes(scene);
   clean_polygons(scene);
   if (scene.polygons.empty())
-    in_obj.add(0, 0, "no_faces", "no polygon of the file has an area: nothing to light");
+    FileViolations{kObj, found.obj}.add(0, 0, "no_faces",
+                                        "no polygon of the file has an area: nothing to light");
   else
-    check_light(scene, description, all);
-  if (!all.empty()) return refused(std::move(all));
+    check_light(scene, description, found.names);
+  if (!found.is_empty()) return refused(found);
   warn_about_idle_objects(description, scene);
   return scene;
+}
+
+api::Error refuse_scene(const std::filesystem::path& input_folder, const api::ReadRequest& read_request,
+                        const SceneLimits& limits, const TextureReader& texture_reader,
+                        const std::function<bool()>& stop_requested) {
+  Scene scene;
+  Found found{read_request.violations, {}, {}, {}};
+  const Input input{input_folder,  read_request.request.scene, &read_request, limits, texture_reader,
+                    stop_requested};
+  const api::Status whole = read(input, scene, found);
+  if (!whole && whole.error().fault == api::Fault::stopped) return whole.error();
+  // Where it ended early (the OBJ is missing, or too large), that is one more place to mend.
+  if (!whole) {
+    const Violations& why = whole.error().violations;
+    found.obj.insert(found.obj.end(), why.begin(), why.end());
+  }
+  return refused(found);
 }
 
 }  // namespace engine

@@ -168,7 +168,7 @@ void check_description(const ObjFile& obj, const MtlLibrary& library, const std:
 
 api::Result<ResolvedMaterials> resolve_materials(const ObjFile& obj, const InputFiles& files,
                                                  const api::SceneDescription& description,
-                                                 const SceneLimits& limits,
+                                                 const KnownParts& known_parts, const SceneLimits& limits,
                                                  const TextureReader& texture_reader,
                                                  std::vector<api::Violation>& violations,
                                                  std::vector<std::string>& warnings) {
@@ -191,12 +191,12 @@ api::Result<ResolvedMaterials> resolve_materials(const ObjFile& obj, const Input
                                                did_you_mean(use.name, known));
     const auto settings = description.materials.find(use.name);
     const bool is_set = settings != description.materials.end();
-    auto material = material_of(use, is_defined ? &mtl->second : nullptr,
+    auto material = material_of(use, is_defined && known_parts.settings(use.name) ? &mtl->second : nullptr,
                                 is_set ? settings->second : api::MaterialSettings{}, resolver);
     if (!material) return material.error();
     materials.push_back(std::move(*material));
   }
-  check_description(obj, *library, known, description, violations, warnings);
+  if (known_parts.all_uses) check_description(obj, *library, known, description, violations, warnings);
   return ResolvedMaterials{std::move(materials), resolver.textures()};
 }
 

@@ -20,10 +20,11 @@ namespace {
 constexpr std::uint64_t kFileBytesMax = 16u << 20;
 
 api::Status run_check(const JobFolder& folder, unsigned threads, const Checker& checker,
-                      api::JobReport& report) {
-  const auto request = read_job_request(folder);
-  if (!request) return request.error();
-  return checker(*request, folder.input(), threads, report);
+                      const Refuser& refuser, api::JobReport& report) {
+  const auto read = read_job_request(folder);
+  if (!read) return read.error();
+  if (!read->violations.empty()) return refuser(*read, folder.input(), [] { return false; });
+  return checker(read->request, folder.input(), threads, report);
 }
 
 /// ": 45 polygons, 49208 patches, 120 frames"
@@ -60,7 +61,7 @@ void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCo
 
 }  // namespace
 
-api::ExitCode check(const CheckCommand& command, const Checker& checker) {
+api::ExitCode check(const CheckCommand& command, const Checker& checker, const Refuser& refuser) {
   const Clock::time_point start = Clock::now();
   if (command.parent) {
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
@@ -85,7 +86,7 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker) {
 
   api::JobReport report;
   const api::Status status =
-      without_exceptions([&] { return run_check(*folder, command.threads, checker, report); });
+      without_exceptions([&] { return run_check(*folder, command.threads, checker, refuser, report); });
   complete_report(status, seconds_since(start), report);
   tell_report(report);
   if (status) tell("the job is sound" + counted(report) + forecast_text(report.forecast));

@@ -9,6 +9,7 @@
 #include "api/exit_code.h"
 #include "api/job_report.h"
 #include "api/job_request.h"
+#include "api/read_request.h"
 #include "api/result.h"
 #include "engine/pipeline/run_pipeline.h"
 #include "engine/worker/command_line.h"
@@ -24,20 +25,29 @@ using Pipeline = std::function<api::Status(const api::JobRequest&, const std::fi
 using Checker = std::function<api::Status(const api::JobRequest&, const std::filesystem::path& input_folder,
                                           unsigned threads, api::JobReport&)>;
 
+/// Why a job is refused whose animation.json is wrong, as engine::refuse_job. May throw.
+using Refuser = std::function<api::Error(const api::ReadRequest&, const std::filesystem::path& input_folder,
+                                         const std::function<bool()>& stop_requested)>;
+/// Looks at nothing else.
+api::Error refuse_as_read(const api::ReadRequest& read, const std::filesystem::path& input_folder,
+                          const std::function<bool()>& stop_requested);
+
 /// One attempt at a job: locks the folder, clears leftovers, runs `pipeline`, writes progress.ndjson and
 /// report.json. Returns within 1 s after SIGTERM or SIGINT, or ends the process. Call from main, once.
 /// Where the folder is not ours (missing, or another worker's) nothing in it is touched.
-api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline);
+api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline,
+                     const Refuser& refuser = refuse_as_read);
 
 /// Runs `checker` with limits on this process, from which it does not recover, and writes report.json.
 /// Ends the process with limit_exceeded when the processor time is used up. Call from main, once.
-api::ExitCode check(const CheckCommand& command, const Checker& checker);
+api::ExitCode check(const CheckCommand& command, const Checker& checker,
+                    const Refuser& refuser = refuse_as_read);
 
 /// As engine::bench_paper of this program. May throw.
 using Bench = std::function<api::Status(const BenchOptions&)>;
 
 /// The whole program: `words` are argv without the program's name.
 api::ExitCode run_worker(std::span<const std::string_view> words, const Pipeline& pipeline,
-                         const Checker& checker, const Bench& bench);
+                         const Checker& checker, const Bench& bench, const Refuser& refuser = refuse_as_read);
 
 }  // namespace engine

@@ -47,11 +47,10 @@ void remove_temporary_files(const fs::path& artefacts) {
   for (const fs::path& path : leftovers) fs::remove(path);
 }
 
-api::Error refused_input(std::string code, std::string detail) {
-  const std::string message = "animation.json: " + detail;
-  return {api::Fault::invalid_request,
-          message,
-          {{"animation.json", "", 0, 0, std::move(code), std::move(detail)}}};
+api::ReadRequest refused_input(std::string code, std::string detail) {
+  return {.request = {},
+          .is_document = false,
+          .violations = {{"animation.json", "", 0, 0, std::move(code), std::move(detail)}}};
 }
 
 /// All of a file of known size; what was appended meanwhile is not read.
@@ -111,7 +110,7 @@ api::Status clear_leftovers(const JobFolder& folder) {
   });
 }
 
-api::Result<api::JobRequest> read_job_request(const JobFolder& folder) {
+api::Result<api::ReadRequest> read_job_request(const JobFolder& folder) {
   const fs::path path = folder.input() / "animation.json";
   // O_NONBLOCK: a pipe in its place must not hang us; it has no effect on files.
   const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
@@ -126,7 +125,7 @@ api::Result<api::JobRequest> read_job_request(const JobFolder& folder) {
                                           std::to_string(api::kAnimationBytesMax) + " are allowed");
   const auto bytes = read_bytes(file.get(), size);
   if (!bytes) return file_error("read", path, errno);
-  return api::parse_job_request(*bytes);
+  return api::read_request(*bytes);
 }
 
 api::Status write_report(const JobFolder& folder, const api::JobReport& report) {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "api/job_report.h"
-#include "api/job_request.h"
+#include "api/read_request.h"
 #include "api/result.h"
 
 namespace engine {
@@ -45,9 +45,9 @@ class JobFolder {
 /// themselves stay: each is replaced by rename. Creates artefacts/ where it is missing.
 api::Status clear_leftovers(const JobFolder& folder);
 
-/// input/animation.json -> the job. Its size is looked at before it is read.
-/// Errors: invalid_request with violations (also where the file is missing or too large), internal.
-api::Result<api::JobRequest> read_job_request(const JobFolder& folder);
+/// input/animation.json -> the job, and what is wrong with it (also that the file is missing or too large).
+/// Its size is looked at before it is read. Error: internal.
+api::Result<api::ReadRequest> read_job_request(const JobFolder& folder);
 
 /// Replaces report.json, durably.
 api::Status write_report(const JobFolder& folder, const api::JobReport& report);

@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
     const engine::Bench bench = [](const engine::BenchOptions& options) {
       return engine::bench_paper(options, engine::this_program());
     };
-    return static_cast<int>(engine::run_worker(words, engine::run_pipeline, engine::check_job, bench));
+    return static_cast<int>(
+        engine::run_worker(words, engine::run_pipeline, engine::check_job, bench, engine::refuse_job));
   } catch (const std::bad_alloc&) {
     engine::tell("out of memory");
     return static_cast<int>(api::ExitCode::limit_exceeded);

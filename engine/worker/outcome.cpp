@@ -8,6 +8,8 @@
 #include <new>
 #include <system_error>
 
+#include "api/refusal_text.h"
+#include "engine/worker/commands.h"
 #include "engine/worker/proc_status.h"
 
 namespace engine {
@@ -68,6 +70,12 @@ api::Status without_exceptions(const std::function<api::Status()>& work) {
   } catch (...) {
     return api::Error{api::Fault::internal, "unexpected failure"};
   }
+}
+
+api::Error refuse_as_read(const api::ReadRequest& read, const std::filesystem::path&,
+                          const std::function<bool()>&) {
+  return {api::Fault::invalid_request, api::refusal_text("animation.json", read.violations.size()),
+          read.violations};
 }
 
 void complete_report(const api::Status& status, double wall_seconds, api::JobReport& report) {

@@ -43,10 +43,13 @@ class Narrator {
 };
 
 api::Status run_attempt(const JobFolder& folder, const RenderCommand& command, const Pipeline& pipeline,
-                        const Watch& watch, Clock::time_point start, api::JobReport& report) {
+                        const Refuser& refuser, const Watch& watch, Clock::time_point start,
+                        api::JobReport& report) {
   if (const api::Status cleared = clear_leftovers(folder); !cleared) return cleared;
-  const auto request = read_job_request(folder);
-  if (!request) return request.error();
+  const auto stop_requested = [&] { return watch.stop_requested(); };
+  const auto read = read_job_request(folder);
+  if (!read) return read.error();
+  if (!read->violations.empty()) return refuser(*read, folder.input(), stop_requested);
   const auto progress = ProgressFile::open(folder.progress());
   if (!progress) return progress.error();
 
@@ -56,10 +59,10 @@ api::Status run_attempt(const JobFolder& folder, const RenderCommand& command, c
     (*progress)->report(line);
     narrator.hear(line);
   };
-  hooks.stop_requested = [&] { return watch.stop_requested(); };
+  hooks.stop_requested = stop_requested;
   hooks.checkpoint_folder = folder.checkpoint();
   hooks.checkpoints_apart = std::chrono::seconds(command.checkpoint_seconds);
-  return pipeline(*request, folder.input(), folder.artefacts(), hooks, report);
+  return pipeline(read->request, folder.input(), folder.artefacts(), hooks, report);
 }
 
 /// The report of a process that ends in the midst of its work. Another thread fills the real one: not
@@ -90,7 +93,7 @@ api::ExitCode conclude(const JobFolder& folder, const api::Status& status, doubl
 
 }  // namespace
 
-api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline) {
+api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, const Refuser& refuser) {
   const Clock::time_point start = Clock::now();
   if (command.parent) {
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
@@ -108,8 +111,8 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline) {
   locked = &folder.emplace(std::move(*opened));
 
   api::JobReport report;
-  const api::Status status =
-      without_exceptions([&] { return run_attempt(*folder, command, pipeline, **watch, start, report); });
+  const api::Status status = without_exceptions(
+      [&] { return run_attempt(*folder, command, pipeline, refuser, **watch, start, report); });
   return conclude(*folder, status, seconds_since(start), report);
 }
 

@@ -34,9 +34,9 @@ api::Result<Job> JobService::submit(const Upload& upload) {
 
 api::Result<api::JobReport> JobService::validate(const Upload& upload) {
   const auto validated = [&]() -> api::Result<api::JobReport> {
-    if (const auto row = read_request(upload); !row) return row.error();
     const std::filesystem::path folder = folder_.upload(upload.id);
     if (const api::Status fine = rules_.check(folder); !fine) return fine.error();
+    if (const auto row = read_request(upload); !row) return row.error();
     return read_report(folder);
   };
   auto report = validated();
@@ -72,10 +72,9 @@ api::Result<NewJob> JobService::check(const Upload& upload) const {
   if (*waiting >= rules_.queued_max)
     return api::Error{Fault::out_of_resources,
                       "the queue is full: " + std::to_string(*waiting) + " jobs are waiting"};
-  auto job = read_request(upload);
-  if (!job) return job;
+  // The check first: it says what is wrong with every file.
   if (const api::Status fine = rules_.check(folder_.upload(upload.id)); !fine) return fine.error();
-  return job;
+  return read_request(upload);
 }
 
 api::Result<Job> JobService::keep(const Upload& upload, const NewJob& row) {

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Bad input: 422 with every place to fix, nothing left on disk, and the queue goes on."""
 import json
+import os
 import shutil
 import socket
 import subprocess
@@ -9,7 +10,7 @@ import unittest
 
 from curl import curl
 from service import ServiceTestCase
-from small_jobs import EXAMPLES, write_job
+from small_jobs import EXAMPLES, changed, write_job
 
 
 class Rejected(ServiceTestCase):
@@ -55,6 +56,25 @@ class Rejected(ServiceTestCase):
         if (folder / "make_animation.py").exists():
             subprocess.run([sys.executable, folder / "make_animation.py", copy], check=True)
         return copy
+
+    def test_what_is_wrong_in_every_file_comes_in_one_answer(self):
+        job = write_job(self.folder / "job", frames=2)
+        changed(job, lambda animation: animation["lighting"].update(tolerance=-1))
+        with open(job / "scene.obj", "a") as scene:
+            scene.write("f 1 2 999999\n")
+        material = next(job.glob("*.mtl"))
+        material.write_text(material.read_text() + "newmtl more\nKd many\n")
+        expected = [("animation.json", "out_of_range"), ("scene.obj", "index_out_of_range"), (material.name, "syntax")]
+        for path in ("/v1/jobs", "/v1/validate"):
+            errors = self.expect_refused(self.running.submit(job, path), path)
+            self.assertEqual([(error["file"], error["code"]) for error in errors], expected)
+        folder = self.folder / "by hand"
+        shutil.copytree(job, folder / "input")
+        run = subprocess.run([os.environ["KEYLUME_WORKER"], "check", str(folder)], capture_output=True, text=True)
+        self.assertEqual(run.returncode, 2, run.stderr)
+        for file, _ in expected:
+            self.assertIn(f"keylume: {file}", run.stderr)
+        self.expect_the_queue_goes_on()
 
     def test_a_scene_sent_by_name_instead_of_as_a_file_is_told_so(self):
         job = write_job(self.folder / "job", frames=2)

@@ -225,6 +225,28 @@ TEST_F(Check, ABadAnimationIsInvalidInput) {
   EXPECT_EQ(report().violations.size(), 1u);
 }
 
+TEST_F(Check, AWrongAnimationIsHandedToWhoSeesTheOtherFilesToo) {
+  folder_.write("input/animation.json", R"({"freames": 3})");
+  const auto refuser = [](const api::ReadRequest& read, const fs::path& input, const auto&) {
+    EXPECT_TRUE(read.is_document);
+    EXPECT_TRUE(fs::exists(input / "animation.json"));
+    api::Error why{Fault::invalid_request, "the job is refused", read.violations};
+    why.violations.push_back({"scene.obj", "", 9, 2, "syntax", "what?"});
+    return why;
+  };
+  EXPECT_EQ(engine::check(
+                {.job_folder = folder_.path},
+                [](const auto&, const auto&, unsigned, auto&) -> api::Status {
+                  ADD_FAILURE() << "a wrong job was checked as if it were right";
+                  return api::Done{};
+                },
+                refuser),
+            ExitCode::invalid_input);
+  ASSERT_EQ(report().violations.size(), 2u);
+  EXPECT_EQ(report().violations[0].pointer, "/freames");
+  EXPECT_EQ(report().violations[1].line, 9u);
+}
+
 TEST_F(Check, AskingForMoreThanIsAllowedIsLimitExceeded) {
   EXPECT_EQ(run([](const auto&, const auto&, unsigned, auto&) -> api::Status {
               return api::Error{Fault::out_of_resources, "more than 16 million patches"};
