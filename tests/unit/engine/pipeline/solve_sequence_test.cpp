@@ -8,6 +8,7 @@
 #include "engine/lighting/compose.h"
 #include "engine/pipeline/frame_by_frame.h"
 #include "engine/pipeline/light_directly.h"
+#include "engine/pipeline/light_indirectly.h"
 #include "tests/unit/engine/pipeline/solve_room.h"
 
 namespace engine {
@@ -95,6 +96,49 @@ TEST(SolveSequence, ATargetErrorThatIsMetAtOnceChangesNothing) {
   const Solution easy = solve(room.lit(), options);
   EXPECT_EQ(easy.report.target_error_met, true);
   EXPECT_EQ(easy.sequence.radiosity_w_m2.values, plain.sequence.radiosity_w_m2.values);
+}
+
+/// The smallest target there is, of which the report must say that it was not met, and why.
+Solution solve_for_too_much(const tests::World& room, api::LightingOptions options, const std::string& why) {
+  options.target_error = 1e-4;
+  const Solution solution = solve(room.lit(), options);
+  EXPECT_EQ(solution.report.target_error, 1e-4);
+  EXPECT_EQ(solution.report.target_error_met, false);
+  EXPECT_GT(solution.report.noise.value_or(0), 1e-4);
+  EXPECT_EQ(solution.report.warnings.size(), 1u);
+  for (const std::string& warning : solution.report.warnings) {
+    EXPECT_NE(warning.find("more than the target error"), warning.npos) << warning;
+    EXPECT_NE(warning.find(why), warning.npos) << warning;
+  }
+  return solution;
+}
+
+// Both limits end the work: that of shadow rays, after which no line could help, and that of replicates of
+// lines where these carry all light.
+TEST(SolveSequence, ATargetErrorThatCannotBeMetEndsAtTheLimitsAndIsSaidNotToBeMet) {
+  const LitRoom room(3);
+  for (const LightingMode mode : {LightingMode::standard, LightingMode::reference}) {
+    api::LightingOptions options = quick_options(mode);
+    options.line_count = options.moving_line_count = 1'000;
+    const Solution before = solve(room.lit(), options);
+    const Solution shadowed = solve_for_too_much(room, options, "limits on lines and samples");
+    EXPECT_GT(shadowed.count("shadow_rays"), 100 * before.count("shadow_rays"));
+    EXPECT_LE(shadowed.count("shadow_rays"),
+              1.01 * kSamplesPerLightMax / options.samples_per_light * before.count("shadow_rays"));
+    options.direct = api::DirectLight::pure;
+    const double lines_before = solve(room.lit(), options).count("lines");
+    const Solution pure = solve_for_too_much(room, options, "limits on lines and samples");
+    EXPECT_EQ(pure.count("lines"), kReplicatesMax / replicates_of(options) * lines_before);
+  }
+}
+
+TEST(SolveSequence, FrameByFrameSaysThatATargetErrorIsNotMetAndAddsNothing) {
+  const LitRoom room(3);
+  const api::LightingOptions options = quick_options(LightingMode::frame_by_frame);
+  const Solution plain = solve(room.lit(), options);
+  const Solution asked = solve_for_too_much(room, options, "as they are given");
+  EXPECT_EQ(asked.report.counts, plain.report.counts);
+  EXPECT_EQ(asked.sequence.radiosity_w_m2.values, plain.sequence.radiosity_w_m2.values);
 }
 
 /// The groups of lights of `options` against the whole, which is up to 20 W/m^2.
