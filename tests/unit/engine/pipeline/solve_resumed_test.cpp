@@ -23,7 +23,7 @@ Checkpoints checkpoints_in(const tests::TemporaryFolder& folder) {
 struct Attempt {
   api::Result<Solution> solution;
   long asked = 0;        ///< how often it asked whether to stop
-  long asked_early = 0;  ///< of these, before it came to the direct light: nothing is kept of that
+  long asked_early = 0;  ///< of these, before direct light or the solution: nothing is kept of that
 };
 
 /// One attempt that is told to stop when it asks for the `stop_at`th time; 0: never.
@@ -33,7 +33,8 @@ Attempt attempt(const LitScene& lit, const api::LightingOptions& options,
   RunHooks hooks;
   hooks.stop_requested = [&] { return ++asked >= stop_at && stop_at > 0; };
   hooks.progress = [&](const api::ProgressLine& line) {
-    if (line.stage == api::Stage::direct && asked_early < 0) asked_early = asked.load();
+    const bool after_estimate = line.stage == api::Stage::direct || line.stage == api::Stage::solve;
+    if (after_estimate && asked_early < 0) asked_early = asked.load();
   };
   Checkpoints checkpoints = checkpoints_in(folder);
   auto solution = tests::try_to_solve(lit, options, checkpoints, hooks);
@@ -96,6 +97,16 @@ TEST(SolveSequenceResumed, GivesTheSameBytesWhereATargetErrorAddsPassesAndLines)
   options.samples_per_light = 2;
   options.target_error = 0.15;
   expect_same_when_resumed(room.lit(), options);
+}
+
+TEST(SolveSequenceResumed, GivesTheSameBytesWhereEveryFrameIsSolvedAlone) {
+  const tests::BlinkingRoom room(12);
+  expect_same_when_resumed(room.lit(), quick_options(api::LightingMode::frame_by_frame));
+}
+
+TEST(SolveSequenceResumed, GivesTheSameBytesInThePapersMode) {
+  const tests::BlinkingRoom room(6);
+  expect_same_when_resumed(room.lit(), quick_options(api::LightingMode::paper));
 }
 
 // The estimate's patches of 3 m do not see what the solution's of half a metre do.
