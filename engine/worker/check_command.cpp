@@ -56,7 +56,7 @@ void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCo
   api::JobReport report;
   complete_report(why, wall_seconds, report);
   tell_report(report);
-  write_report_in_haste(folder, report);
+  write_report_in_haste(folder.check_report(), report);
 }
 
 }  // namespace
@@ -67,11 +67,11 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const R
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
   }
   std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
-  std::atomic<const JobFolder*> locked = nullptr;  // the watch must not write into a folder that is not ours
+  std::atomic<const JobFolder*> opened = nullptr;  // what the watch may write into
   const auto watch = Watch::start({.end_with_stdin = command.parent.has_value(),
                                    .grace = std::chrono::milliseconds(0),
                                    .last_words = [&](api::ExitCode code) {
-                                     if (const JobFolder* mine = locked)
+                                     if (const JobFolder* mine = opened)
                                        write_last_words(*mine, code, command, seconds_since(start));
                                    }});
   if (!watch) return give_up(watch.error());
@@ -80,9 +80,9 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const R
                                             .file_bytes = kFileBytesMax});
   if (!limited) return give_up(limited.error());
   set_thread_count(1);  // what is allowed is processor time over all threads
-  auto opened = JobFolder::open(command.job_folder);
-  if (!opened) return give_up(opened.error());
-  locked = &folder.emplace(std::move(*opened));
+  auto found = JobFolder::look_into(command.job_folder);
+  if (!found) return give_up(found.error());
+  opened = &folder.emplace(std::move(*found));
 
   api::JobReport report;
   const api::Status status =
@@ -90,8 +90,8 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const R
   complete_report(status, seconds_since(start), report);
   tell_report(report);
   if (status) tell("the job is sound" + counted(report) + forecast_text(report.forecast));
-  const api::Status written = write_report(*folder, report);
-  if (!written) tell("report.json: " + written.error().message);
+  const api::Status written = write_report(folder->check_report(), report);
+  if (!written) tell("check.json: " + written.error().message);
   return exit_code_of(status ? written : status);
 }
 

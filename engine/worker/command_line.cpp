@@ -179,7 +179,8 @@ render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what 
                   save what a killed run can go on from at least N seconds apart (10)
   --parent PID    for supervisors: end when process PID ends, or when standard input closes
 
-check    Reads the job, counts its patches and forecasts what a run takes; writes report.json.
+check    Reads the job, counts its patches and forecasts what a run takes. Says so, and in check.json; touches
+         nothing else, so that a run in the same folder goes on and its report.json stays.
   --threads N     forecast for a run with N threads instead of all cores
   --memory-mb N   at most N MiB of memory for the job (2048)
   --seconds N     at most N seconds of processor time (60)
@@ -196,7 +197,7 @@ bench    paper: runs the scenes of the paper that the method follows, prints its
 Exit status
    0   render: every artefact is published; check: the job is sound
    1   a bug or an I/O failure, or another worker has the folder; worth another attempt
-   2   the job itself is wrong: report.json lists the violations
+   2   the job itself is wrong: report.json (of check: check.json) lists the violations
    3   the job asks for more than the limits allow
    4   stopped by SIGTERM or SIGINT, within a second
    6   the disk is full; try again when there is room

@@ -38,7 +38,8 @@ api::Error refuse_as_read(const api::ReadRequest& read, const std::filesystem::p
 api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline,
                      const Refuser& refuser = refuse_as_read);
 
-/// Runs `checker` with limits on this process, from which it does not recover, and writes report.json.
+/// Runs `checker` with limits on this process, from which it does not recover, and writes check.json and
+/// nothing else: a worker may be at the folder, or have finished it.
 /// Ends the process with limit_exceeded when the processor time is used up. Call from main, once.
 api::ExitCode check(const CheckCommand& command, const Checker& checker,
                     const Refuser& refuser = refuse_as_read);

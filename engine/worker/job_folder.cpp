@@ -88,6 +88,13 @@ api::Result<JobFolder> JobFolder::open(const fs::path& path, std::chrono::millis
   return folder;
 }
 
+api::Result<JobFolder> JobFolder::look_into(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored))
+    return api::Error{api::Fault::not_found, path.string() + " is not a folder"};
+  return JobFolder(path, -1);
+}
+
 JobFolder::JobFolder(JobFolder&& other) noexcept : path_(std::move(other.path_)), lock_(other.lock_) {
   other.lock_ = -1;
 }
@@ -128,19 +135,19 @@ api::Result<api::ReadRequest> read_job_request(const JobFolder& folder) {
   return api::read_request(*bytes);
 }
 
-api::Status write_report(const JobFolder& folder, const api::JobReport& report) {
-  return without_exceptions([&] { return write_file(folder.report(), api::job_report_json(report)); });
+api::Status write_report(const fs::path& path, const api::JobReport& report) {
+  return without_exceptions([&] { return write_file(path, api::job_report_json(report)); });
 }
 
-void write_report_in_haste(const JobFolder& folder, const api::JobReport& report) {
-  const fs::path temporary = folder.report().parent_path() / ".tmp.last_words.json";
+void write_report_in_haste(const fs::path& path, const api::JobReport& report) {
+  const fs::path temporary = path.parent_path() / (".tmp.last_words." + path.filename().string());
   const std::string bytes = api::job_report_json(report);
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0640);
   if (file < 0) return;
   const bool whole = write(file, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
   close(file);
   if (whole)
-    rename(temporary.c_str(), folder.report().c_str());
+    rename(temporary.c_str(), path.c_str());
   else
     unlink(temporary.c_str());
 }

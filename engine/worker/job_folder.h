@@ -1,5 +1,5 @@
-// JOB_FOLDER and who may work in it: input/, artefacts/, checkpoint/, progress.ndjson, report.json,
-// .lock.
+// JOB_FOLDER and who may work in it: input/, artefacts/, checkpoint/, progress.ndjson, report.json, .lock of
+// `render`, check.json of `check`.
 #pragma once
 
 #include <chrono>
@@ -22,6 +22,9 @@ class JobFolder {
   static api::Result<JobFolder> open(const std::filesystem::path& path,
                                      std::chrono::milliseconds patience = std::chrono::seconds(2));
 
+  /// Without the lock, for who leaves alone what a worker at it writes. Error: not_found.
+  static api::Result<JobFolder> look_into(const std::filesystem::path& path);
+
   JobFolder(JobFolder&& other) noexcept;
   JobFolder& operator=(JobFolder&&) = delete;
   ~JobFolder();
@@ -32,12 +35,14 @@ class JobFolder {
   std::filesystem::path checkpoint() const { return path_ / "checkpoint"; }
   std::filesystem::path progress() const { return path_ / "progress.ndjson"; }
   std::filesystem::path report() const { return path_ / "report.json"; }
+  /// The report of a check, apart from that of a run, which it must not replace.
+  std::filesystem::path check_report() const { return path_ / "check.json"; }
 
  private:
   JobFolder(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
 
   std::filesystem::path path_;
-  int lock_;  ///< file descriptor that carries the lock; -1 after a move
+  int lock_;  ///< file descriptor that carries the lock; -1: none
 };
 
 /// Clears what an earlier attempt left, in this order: artefacts/manifest.json (durably, so that its presence
@@ -49,10 +54,10 @@ api::Status clear_leftovers(const JobFolder& folder);
 /// Its size is looked at before it is read. Error: internal.
 api::Result<api::ReadRequest> read_job_request(const JobFolder& folder);
 
-/// Replaces report.json, durably.
-api::Status write_report(const JobFolder& folder, const api::JobReport& report);
+/// Replaces the file `path` (report.json or check.json), durably.
+api::Status write_report(const std::filesystem::path& path, const api::JobReport& report);
 
 /// The same without waiting for the disk, for a process that ends at once.
-void write_report_in_haste(const JobFolder& folder, const api::JobReport& report);
+void write_report_in_haste(const std::filesystem::path& path, const api::JobReport& report);
 
 }  // namespace engine

@@ -75,14 +75,14 @@ void write_last_words(const JobFolder& folder, api::ExitCode code, double wall_s
   api::JobReport report;
   complete_report(why, wall_seconds, report);
   tell_report(report);
-  write_report_in_haste(folder, report);
+  write_report_in_haste(folder.report(), report);
 }
 
 api::ExitCode conclude(const JobFolder& folder, const api::Status& status, double wall_seconds,
                        api::JobReport& report) {
   complete_report(status, wall_seconds, report);
   tell_report(report);
-  const api::Status written = write_report(folder, report);
+  const api::Status written = write_report(folder.report(), report);
   if (!written) tell("report.json: " + written.error().message);
   if (!status) return exit_code_of(status);
   if (written)

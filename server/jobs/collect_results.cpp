@@ -111,15 +111,27 @@ api::Result<Results> collect_results(const std::filesystem::path& job_folder, st
   return Results{std::move(*files), std::move(*key_frames)};
 }
 
-api::JobReport read_report(const std::filesystem::path& job_folder) {
+namespace {
+
+api::JobReport read_report_file(const std::filesystem::path& job_folder, std::string_view file) {
   const auto dropped = [&](const api::Error& error) {
     log_line(job_folder.filename().string() + ": its report is dropped: " + error.message);
     return api::JobReport{};
   };
-  const auto bytes = read_below(job_folder, "report.json", kReportBytesMax);
+  const auto bytes = read_below(job_folder, file, kReportBytesMax);
   if (!bytes) return bytes.error().fault == api::Fault::not_found ? api::JobReport{} : dropped(bytes.error());
   auto report = api::parse_job_report(*bytes);
   return report ? std::move(*report) : dropped(report.error());
+}
+
+}  // namespace
+
+api::JobReport read_report(const std::filesystem::path& job_folder) {
+  return read_report_file(job_folder, "report.json");
+}
+
+api::JobReport read_check_report(const std::filesystem::path& job_folder) {
+  return read_report_file(job_folder, "check.json");
 }
 
 }  // namespace server

@@ -14,6 +14,9 @@ namespace server {
 /// size and SHA-256, and manifest.json is added to the list. Errors: invalid_request saying what is wrong.
 api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count);
 
+/// check.json, which `keylume check` leaves, checked; none or a broken one: an empty report.
+api::JobReport read_check_report(const std::filesystem::path& job_folder);
+
 /// report.json, checked; none or a broken one: an empty report.
 api::JobReport read_report(const std::filesystem::path& job_folder);
 

@@ -37,7 +37,7 @@ api::Result<api::JobReport> JobService::validate(const Upload& upload) {
     const std::filesystem::path folder = folder_.upload(upload.id);
     if (const api::Status fine = rules_.check(folder); !fine) return fine.error();
     if (const auto row = read_request(upload); !row) return row.error();
-    return read_report(folder);
+    return read_check_report(folder);
   };
   auto report = validated();
   discard(upload);
@@ -80,9 +80,8 @@ api::Result<NewJob> JobService::check(const Upload& upload) const {
 api::Result<Job> JobService::keep(const Upload& upload, const NewJob& row) {
   const std::filesystem::path from = folder_.upload(upload.id);
   const std::filesystem::path to = folder_.job(upload.id);
-  // The check's: the job itself has not run, and must not be taken for one that has.
   std::error_code ignored;
-  std::filesystem::remove(from / "report.json", ignored);
+  std::filesystem::remove(from / "check.json", ignored);  // it has served
   // The order matters: files and names durable, then the row. A crash in between leaves a folder without a
   // row, which the next start removes; never a row without files.
   for (const auto& path : {from / "input", from})

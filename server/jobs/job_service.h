@@ -24,7 +24,7 @@ struct Upload {
   std::vector<InputFile> inputs;
 };
 
-/// Looks at the files of a job folder without running it, and leaves report.json there. Errors:
+/// Looks at the files of a job folder without running it, and leaves check.json there. Errors:
 /// invalid_request with violations where the job is wrong.
 using CheckJob = std::function<api::Status(const std::filesystem::path& job_folder)>;
 

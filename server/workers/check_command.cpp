@@ -46,7 +46,7 @@ bool wait_for(ChildProcess& worker, WorkerLog& log, std::chrono::milliseconds ti
 }
 
 api::Error refusal_of(const std::filesystem::path& folder, api::Fault fault, std::string_view otherwise) {
-  api::JobReport report = read_report(folder);
+  api::JobReport report = read_check_report(folder);
   const std::string message = report.message.empty() ? std::string(otherwise) : report.message;
   return {fault, message, std::move(report.violations)};
 }

@@ -71,7 +71,7 @@ class WorkerByHand(unittest.TestCase):
             folder = self.job_folder(name, **options)
             checked = subprocess.run([WORKER, "check", str(folder)], capture_output=True, text=True, timeout=60)
             self.assertEqual(checked.returncode, 0, checked.stderr)
-            forecast = json.loads((folder / "report.json").read_text())["forecast"]
+            forecast = json.loads((folder / "check.json").read_text())["forecast"]
             self.assertIn(f"{forecast['memory_bytes'] >> 20} MiB", checked.stderr)
             self.assertEqual(self.render(folder).returncode, 0)
             taken = json.loads((folder / "report.json").read_text())

@@ -154,8 +154,8 @@ int leave_a_grandchild(const path& job) {
 
 int refuse(const path& job) {
   const api::Violation violation{"scene.obj", "", 12, 4, "index_out_of_range", "vertex 9 does not exist"};
-  write(job / "report.json",
-        api::job_report_json({"failed", "scene.obj is refused", {violation}, {}, {}, {}, 0}));
+  for (const char* file : {"report.json", "check.json"})  // of a run, of a check
+    write(job / file, api::job_report_json({"failed", "scene.obj is refused", {violation}, {}, {}, {}, 0}));
   return code(api::ExitCode::invalid_input);
 }
 

@@ -20,7 +20,7 @@ AttemptOutcome crash() {
 TEST_F(JobServiceTest, AValidatedUploadIsAnsweredAndNothingIsKept) {
   const Upload good = make_upload();
   // As the worker's check leaves it.
-  write_text(folder_->upload(good.id) / "report.json",
+  write_text(folder_->upload(good.id) / "check.json",
              R"({"outcome": "succeeded", "message": "", "violations": [], "warnings": ["it is dark"],
                  "stage_seconds": [], "counts": [], "peak_memory_bytes": 1, "forecast": {"polygons": 2,
                  "patches": 30, "frames": 3, "memory_bytes": 4000, "seconds": 0.5}})");

@@ -352,10 +352,11 @@ TEST_F(JobServiceTest, ADatabaseThatCannotWriteDoesNotKeepTheServiceFromStarting
 
 TEST_F(JobServiceTest, AJobThatHasNotRunHasNoReportOfItsCheck) {
   const Upload upload = make_upload();
-  write_text(folder_->upload(upload.id) / "report.json",
+  write_text(folder_->upload(upload.id) / "check.json",
              api::job_report_json({"succeeded", "", {}, {}, {}, {}, 0}));
   const auto submitted = jobs_->submit(upload);
   ASSERT_TRUE(submitted);
+  EXPECT_FALSE(std::filesystem::exists(jobs_->folder_of(*submitted) / "check.json"));
   for (int attempt = 1; attempt <= 3; ++attempt) ASSERT_TRUE(jobs_->end_attempt(claim().lease, crash()));
   const Job failed = job(submitted->id);
   EXPECT_EQ(failed.state, JobState::failed);

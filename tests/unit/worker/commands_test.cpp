@@ -7,6 +7,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "engine/worker/job_folder.h"
 #include "engine/worker/supervision.h"
 #include "tests/unit/worker/a_job_folder.h"
 
@@ -155,7 +156,7 @@ class Check : public testing::Test {
     return engine::check({.job_folder = folder_.path}, checker);
   }
   api::JobReport report() const {
-    auto report = api::parse_job_report(folder_.read("report.json"));
+    auto report = api::parse_job_report(folder_.read("check.json"));
     EXPECT_TRUE(report) << report.error().message;
     return report ? *report : api::JobReport{};
   }
@@ -175,6 +176,18 @@ TEST_F(Check, ASoundJobIsOkAndItsArtefactsStay) {
   EXPECT_EQ(report().outcome, "succeeded");
   EXPECT_EQ(report().counts[0].second, 600);
   EXPECT_TRUE(folder_.has("artefacts/manifest.json"));
+}
+
+TEST_F(Check, WorksBesideARunAndLeavesItsReport) {
+  folder_.write("report.json", "theirs");
+  folder_.write("progress.ndjson", "theirs");
+  const auto busy = engine::JobFolder::open(folder_.path);
+  ASSERT_TRUE(busy);
+  EXPECT_EQ(run([](const auto&, const auto&, unsigned, auto&) -> api::Status { return api::Done{}; }),
+            ExitCode::ok);
+  EXPECT_EQ(report().outcome, "succeeded");
+  EXPECT_EQ(folder_.read("report.json"), "theirs");
+  EXPECT_EQ(folder_.read("progress.ndjson"), "theirs");
 }
 
 TEST_F(Check, TheForecastIsForTheThreadsThatAreNamed) {

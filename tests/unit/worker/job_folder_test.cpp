@@ -146,7 +146,7 @@ TEST(WriteReport, TheReportInHasteReplacesAnOldOneWhole) {
   api::JobReport report;
   report.outcome = "stopped";
   report.message = "told to stop";
-  engine::write_report_in_haste(*opened, report);
+  engine::write_report_in_haste(opened->report(), report);
   const auto read = api::parse_job_report(folder.read("report.json"));
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->outcome, "stopped");

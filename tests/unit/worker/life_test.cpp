@@ -86,8 +86,8 @@ class WorkerLife : public testing::Test {
     FAIL() << "the worker did not begin";
   }
 
-  api::JobReport report() const {
-    auto report = api::parse_job_report(folder_.read("report.json"));
+  api::JobReport report(const char* file = "report.json") const {
+    auto report = api::parse_job_report(folder_.read(file));
     EXPECT_TRUE(report) << report.error().message;
     return report ? *report : api::JobReport{};
   }
@@ -122,7 +122,7 @@ TEST_F(WorkerLife, SigtermEndsAPipelineThatDoesNotListenWithinASecondAndLeavesAR
   EXPECT_EQ(end_of(worker), exit_with(ExitCode::stopped));
   EXPECT_LT(Clock::now() - told, 1s);
   EXPECT_EQ(report().outcome, "stopped");
-  EXPECT_FALSE(folder_.has(".tmp.last_words.json"));
+  EXPECT_FALSE(folder_.has(".tmp.last_words.report.json"));
 }
 
 TEST_F(WorkerLife, TheLockGoesWithTheProcessHoweverItEnds) {
@@ -226,8 +226,9 @@ TEST_F(WorkerLife, AFullDiskHasAnExitCodeOfItsOwn) {
 TEST_F(WorkerLife, ACheckThatUsesUpItsProcessorTimeIsLimitExceededWithAReport) {
   EXPECT_EQ(end_of(start({"burn", "check", folder(), "--seconds", "1"})),
             exit_with(ExitCode::limit_exceeded));
-  EXPECT_EQ(report().outcome, "failed");
-  EXPECT_NE(report().message.find("1 s of processor time"), std::string::npos) << report().message;
+  EXPECT_EQ(report("check.json").outcome, "failed");
+  EXPECT_NE(report("check.json").message.find("1 s of processor time"), std::string::npos)
+      << report("check.json").message;
 }
 
 TEST_F(WorkerLife, ACheckThatUsesUpItsMemoryIsLimitExceededWithAReport) {
@@ -235,9 +236,9 @@ TEST_F(WorkerLife, ACheckThatUsesUpItsMemoryIsLimitExceededWithAReport) {
   for (const std::uint64_t mib : {64, 256}) {
     EXPECT_EQ(end_of(start({"swallow_memory", "check", folder(), "--memory-mb", std::to_string(mib)})),
               exit_with(ExitCode::limit_exceeded));
-    EXPECT_NE(report().message.find("memory"), std::string::npos) << report().message;
-    EXPECT_GT(report().peak_memory_bytes, (mib / 2) << 20);
-    EXPECT_LT(report().peak_memory_bytes, (mib + 64) << 20);
+    EXPECT_NE(report("check.json").message.find("memory"), std::string::npos) << report("check.json").message;
+    EXPECT_GT(report("check.json").peak_memory_bytes, (mib / 2) << 20);
+    EXPECT_LT(report("check.json").peak_memory_bytes, (mib + 64) << 20);
   }
 }
 
@@ -246,7 +247,7 @@ TEST_F(WorkerLife, ACheckEndsAtOnceWhenToldToStop) {
   wait_until_at_work();
   kill(worker, SIGTERM);
   EXPECT_EQ(end_of(worker), exit_with(ExitCode::stopped));
-  EXPECT_EQ(report().outcome, "stopped");
+  EXPECT_EQ(report("check.json").outcome, "stopped");
 }
 
 TEST_F(WorkerLife, AWrongCommandLineEndsWithUsage) {
