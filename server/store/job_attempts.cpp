@@ -175,7 +175,7 @@ api::Status JobStore::finish_cancel(const Lease& lease, const AttemptEnd& end) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (api::Status begun = transaction.begin(); !begun) return begun;
-  const StepReason why{"canceled", "canceled on request"};
+  const StepReason why{"canceled", "on request"};
   const Step wanted{lease.job_seq, JobState::cancel_requested, JobState::canceled, why};
   if (api::Status left = leave_running(lease, wanted, end, {}); !left) return left;
   return transaction.commit();

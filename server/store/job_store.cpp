@@ -136,7 +136,7 @@ api::Result<Job> JobStore::cancel(std::string_view id) {
   if (!api::may_step(job->state, to))
     return api::Error{Fault::wrong_state,
                       "the job is " + std::string(api::name_of(job->state)) + " and cannot be canceled"};
-  const api::Status stepped = step({job->seq, job->state, to, {"canceled", "canceled on request"}});
+  const api::Status stepped = step({job->seq, job->state, to, {"canceled", "on request"}});
   if (!stepped) return stepped.error();
   auto canceled = job_locked(id);
   if (!canceled) return canceled;
