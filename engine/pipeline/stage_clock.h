@@ -22,19 +22,23 @@ using StageSeconds = std::array<double, kStageCount>;
 /// Begins stages one after the other; tells the hooks about progress and the report about seconds.
 ///
 /// The fraction of the job is the share of the expected work that is done; it never falls, and is exactly 1
-/// at the end of the last stage. The time left is the expected work that is left times the pace so far:
+/// at the end of the last stage. The time left is that of the stage at work, by its own pace, and of those
+/// after it, by the pace of all:
 ///
-///     left_s = W_left (T + p W q) / (D + p W)                                           [s]
+///     left_s = (1 - f) (t + p (1 - f) E q) / (d + p (1 - f)) + q (sum of E of the stages after)        [s]
+///     log q  = sum of w log r / (sum of w + what is left),   w = min(d E, t),   r = t / (d E)
 ///
-/// W  the work that was left when the present expectation began, in seconds expected for it
-/// D  of that, what this process has done    T  the time it took    q  the pace before, 1 at first    p
-/// kPrior
+/// E  seconds expected of the stage    f  of it done    d  of it done by this process, in t seconds
+/// p  kPrior    q  the pace of all: seconds per second expected, over the stages so far
 ///
-/// So at first the expectation is believed, then more and more what was measured.
+/// So at first the expectation is believed, then what was measured. A stage that took another time than was
+/// expected mostly tells that the expectation of this one was wrong, and little of the others: each stage has
+/// a pace of its own, and weighs in q with the shorter of both times, so that one that was over at once says
+/// next to nothing.
 class StageClock {
  public:
-  /// How much of all work must be done before the measured pace counts as much as the expected one.
-  static constexpr double kPrior = 0.05;
+  /// How much of a stage must be done before its measured pace counts as much as the expected one.
+  static constexpr double kPrior = 0.1;
 
   StageClock(const RunHooks& hooks, api::JobReport& report);
   ~StageClock() { end_stage(); }
@@ -57,7 +61,7 @@ class StageClock {
   const Progress& begin(api::Stage stage);
 
   /// So much of the stage at work was done by an earlier attempt: progress, but no measure of pace. `message`
-  /// is told with every line of the stage.
+  /// is told with every line of the stage, and how far that is.
   void go_on_from(double stage_fraction, std::string message);
 
  private:
@@ -69,7 +73,12 @@ class StageClock {
   double work_left() const;   ///< expected seconds, of the stage at work and those after it
   double work_after() const;  ///< the same without the stage at work
   double share_done() const;
-  double pace() const;  ///< seconds per second expected
+  double seconds_left() const;
+  /// What the pace of one stage weighs in that of all, and its logarithm.
+  struct Evidence {
+    double weight_s = 0, log_pace = 0;
+  };
+  Evidence evidence_here() const;  ///< of the stage at work
 
   const RunHooks& hooks_;
   api::JobReport& report_;
@@ -84,12 +93,12 @@ class StageClock {
   Forecaster forecaster_;
   StageSeconds expected_;
   bool is_forecast_ = false;
-  double pace_ = 1;               ///< measured before the present expectation
-  double fraction_at_start_ = 0;  ///< of the job, when the present expectation began
-  double work_at_start_ = 0;      ///< left then
-  double done_here_ = 0;          ///< D
-  double fraction_ = 0;           ///< of the job; never falls
-  Clock::time_point started_;     ///< since when T runs
+  double fraction_at_start_ = 0;     ///< of the job, when the present expectation began
+  double work_at_start_ = 0;         ///< left then
+  double done_here_ = 0;             ///< d
+  Clock::time_point measured_from_;  ///< since when t runs
+  double weights_s_ = 0, logs_ = 0;  ///< of the stages that are over: sums of w and of w log r
+  double fraction_ = 0;              ///< of the job; never falls
 };
 
 }  // namespace engine

@@ -117,8 +117,46 @@ TEST(StageClock, TheTimeLeftFollowsTheMeasuredPace) {
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   progress.report(0.5);
   ASSERT_TRUE(run.lines.back().seconds_left);
-  // 500 (0.1 + 50) / (500 + 50) s = 45.5 s: a twentieth of what was expected is believed on.
+  // 0.5 (0.1 + 0.05 * 1000 q) / (0.5 + 0.05) s, where q = 1 / 1.002 (what took so short tells little).
   EXPECT_NEAR(*run.lines.back().seconds_left, 45.5, 3);
+}
+
+// The first stage takes no time, of 100 s expected; the second was expected to take as long.
+TEST(StageClock, AStageThatWasOverAtOnceSaysLittleOfTheOthers) {
+  Listener run;
+  run.clock->begin(Stage::scene);
+  run.clock->expect({0, 0, 100, 0, 0, 100, 0, 0, 1e-3});
+  run.clock->begin(Stage::estimate).report(1);
+  run.clock->begin(Stage::solve);
+  ASSERT_TRUE(run.lines.back().seconds_left);
+  EXPECT_GT(*run.lines.back().seconds_left, 90);
+}
+
+// A stage of 0.1 s expected takes 1 s, and so does a tenth of the next, which was expected to take 1 s in
+// all.
+TEST(StageClock, WhereEverythingTakesLongerAllThatIsLeftDoesToo) {
+  Listener run;
+  run.clock->begin(Stage::scene);
+  run.clock->expect({0, 0, 0.1, 0, 0, 0.1, 0, 0.1, 1e-3});
+  const Progress& estimating = run.clock->begin(Stage::estimate);
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  estimating.report(1);
+  const Progress& solving = run.clock->begin(Stage::solve);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  solving.report(0.5);
+  ASSERT_TRUE(run.lines.back().seconds_left);
+  EXPECT_GT(*run.lines.back().seconds_left, 0.5) << "as long again, and the images";
+}
+
+TEST(StageClock, AStageThatWasNotExpectedIsTimedByItsOwnPace) {
+  Listener run;
+  run.clock->begin(Stage::scene);
+  run.clock->expect({0, 0, 0, 0, 0, 0, 0, 0, 1e-3});
+  const Progress& progress = run.clock->begin(Stage::direct);
+  EXPECT_LT(*run.lines.back().seconds_left, 0.1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  progress.report(0.5);
+  EXPECT_GT(*run.lines.back().seconds_left, 0.4);
 }
 
 TEST(StageClock, WhatAnEarlierAttemptDidIsProgressAndNoMeasureOfPace) {
@@ -128,7 +166,7 @@ TEST(StageClock, WhatAnEarlierAttemptDidIsProgressAndNoMeasureOfPace) {
   run.clock->begin(Stage::solve);
   run.clock->go_on_from(0.8, "goes on");
   EXPECT_EQ(run.lines.back().stage_fraction, 0.8);
-  EXPECT_EQ(run.lines.back().message, "goes on");
+  EXPECT_EQ(run.lines.back().message, "goes on, from 80 % of this stage on");
   EXPECT_GT(run.lines.back().fraction, 0.75);
   ASSERT_TRUE(run.lines.back().seconds_left);
   EXPECT_NEAR(*run.lines.back().seconds_left, 200, 10) << "a fifth, at the pace expected";
