@@ -42,6 +42,7 @@ install_missing() { # GROUP...
       case $answer in [yY]*) ;; *) fail "nothing installed" ;; esac
     fi
   fi
+  say "Installing them (build/apt.log)"
   "${as_root[@]}" apt-get -qq update || fail "apt-get update failed"
   # shellcheck disable=SC2086  # a list of package names
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -y --no-install-recommends install $missing \
@@ -50,6 +51,7 @@ install_missing() { # GROUP...
 
 configure_release() { # CMAKE_OPTION...
   local launcher=()
+  [ -f "$root/build/release/build.ninja" ] || say "Configuring the build (build/configure.log)"
   command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   (cd "$root" && cmake --preset release "${launcher[@]}" "$@") >"$root/build/configure.log" 2>&1 ||
     { cat "$root/build/configure.log" >&2; fail "configuring failed"; }

@@ -37,6 +37,9 @@ class Readme(ServiceTestCase):
         run = self.run_in(place, service.port, 300)
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
         self.assertTrue(run.stdout.endswith("\n"), run.stdout)
+        watched = run.stdout.splitlines()
+        self.assertTrue(any(re.fullmatch(r"running \w+ \d+%", line) for line in watched), run.stdout)
+        self.assertTrue(any(re.fullmatch(r"succeeded \w* 100%", line) for line in watched), run.stdout)
         fetched = place / "cornell"
         self.assertEqual(sorted(path.name for path in place.iterdir()), ["api", "cornell"])
         job = json.loads((fetched / "job.json").read_text())
