@@ -2,6 +2,8 @@
 // hand from the closed form factors of a cube.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/support/lit.h"
 #include "tests/support/statistics.h"
 
@@ -58,6 +60,19 @@ void expect_exact(const CubeCase& exact, api::DirectLight direct) {
   EXPECT_LT(sides.standard_error(), 3e-4 * exact.sides);
 }
 
+/// The three unknowns for any reflectance: with F and A the form factors of opposite and adjacent faces
+///
+///     s = 1 + rho (F o + 4 A d),   o = rho (F s + 4 A d),   d = rho (A (s + o) + (F + 2 A) d)
+///
+/// so s - o = 1 / (1 + rho F), and s + o from the sum and d.
+CubeCase exact_of(double rho) {
+  const double opposite = .19982489569838746, adjacent = .20004377607540316;
+  const double between = rho * adjacent / (1 - rho * (opposite + 2 * adjacent));  // d / (s + o)
+  const double sum = 1 / (1 - rho * opposite - 8 * rho * adjacent * between);
+  const double apart = 1 / (1 + rho * opposite);
+  return {static_cast<float>(rho), (sum + apart) / 2, (sum - apart) / 2, between * sum};
+}
+
 }  // namespace
 
 TEST(Cube, RadiosityIsExactWhenDirectLightIsApart) {
@@ -66,6 +81,48 @@ TEST(Cube, RadiosityIsExactWhenDirectLightIsApart) {
 
 TEST(Cube, RadiosityIsExactWhenAllLightTravelsByLines) {
   for (const CubeCase& exact : kCases) expect_exact(exact, api::DirectLight::pure);
+}
+
+// Its walls are painted while it is looked at: from .5 to .8 over five frames, the lines as many as for one
+// paint, and each frame with the answer of its own.
+TEST(Cube, RadiosityIsExactInEveryFrameOfAReflectanceThatIsKeyed) {
+  EXPECT_NEAR(exact_of(0.5).sides, kCases[0].sides, 1e-12);
+  EXPECT_NEAR(exact_of(0.8).source, kCases[1].source, 1e-12);
+  constexpr engine::FrameIndex kFrames = 5;
+  const SceneBuilder built = cube(0.5f);
+  engine::Animation painted = built.animation();
+  painted.frame_count = kFrames;
+  painted.objects[0].spans = {{0, kFrames - 1, {}}};
+  painted.reflectance.resize(built.scene().materials.size());
+  for (engine::FrameIndex f = 0; f < kFrames; ++f)
+    for (auto& series : painted.reflectance) {
+      const float rho = 0.5f + 0.075f * static_cast<float>(f);
+      series.push_back({rho, rho, rho});
+    }
+  const ReadyScene ready(built.scene(), painted, 2.0), plain(built, 2.0);
+  api::LightingOptions options;
+  options.line_count = 131'072;
+  options.samples_per_light = 256;
+  EXPECT_EQ(light_frames(ready, every_frame(painted), options).counts.tracing.lines,
+            light_frames(plain, {0}, options).counts.tracing.lines);
+  std::array<Sample, kFrames> source, opposite, sides;
+  for (options.seed = 1; options.seed <= 24; ++options.seed) {
+    const LitFrames lit = light_frames(ready, every_frame(painted), options);
+    for (engine::FrameIndex f = 0; f < kFrames; ++f) {
+      source[f].add(lit.radiosity.at(4, f).r);
+      opposite[f].add(lit.radiosity.at(5, f).r);
+      sides[f].add(mean_over(ready, lit.radiosity, {0, 1, 2, 3}, f).r);
+    }
+  }
+  constexpr double kOfEach = 1e-4 / (3 * kFrames);
+  for (engine::FrameIndex f = 0; f < kFrames; ++f) {
+    const CubeCase exact = exact_of(0.5f + 0.075f * static_cast<float>(f));
+    const double iteration = 1e-5 * exact.reflectance / (1 - exact.reflectance) / 6 + 1e-6;
+    EXPECT_TRUE(agrees(source[f], exact.source, kOfEach, iteration)) << f;
+    EXPECT_TRUE(agrees(opposite[f], exact.opposite, kOfEach, iteration)) << f;
+    EXPECT_TRUE(agrees(sides[f], exact.sides, kOfEach, iteration)) << f;
+    EXPECT_LT(opposite[f].standard_error(), 1e-3 * exact.opposite);
+  }
 }
 
 }  // namespace tests
