@@ -202,6 +202,26 @@ TEST(RenderFrame, WhatAStandingCameraKeepsGivesTheSameAsTracingAgain) {
   EXPECT_FALSE(engine::see_static(stage, camera, 5, 1000, never)) << "does not fit 1000 bytes";
 }
 
+// A cut is in the frame that has it: nothing of what the camera saw before is kept.
+TEST(RenderImages, ACameraThatCutsShowsInEachFrameWhatOneThatAlwaysStoodThereShows) {
+  Furnace furnace(6);
+  furnace.look("corner", kIntoTheCorner, kIntoTheCorner);
+  furnace.look("floor", kAtTheFloor, kAtTheFloor);
+  for (engine::FrameIndex f = 0; f < 6; ++f)
+    furnace.animation.cameras["cuts"].push_back(f == 2 || f == 3 ? kAtTheFloor : kIntoTheCorner);
+  const auto radiosity = tests::series_of(*furnace.patches, 6, rough);
+  Folder corner, floor, cuts;
+  ASSERT_TRUE(furnace.render(radiosity, small("corner"), corner.path()));
+  ASSERT_TRUE(furnace.render(radiosity, small("floor"), floor.path()));
+  const auto files = furnace.render(radiosity, small("cuts"), cuts.path());
+  ASSERT_TRUE(files);
+  for (const std::string& file : *files) {
+    const bool at_floor = file.starts_with("0002") || file.starts_with("0003");
+    EXPECT_EQ(bytes_of(cuts.path() / file), bytes_of((at_floor ? floor : corner).path() / file)) << file;
+    EXPECT_NE(bytes_of(cuts.path() / file), bytes_of((at_floor ? corner : floor).path() / file)) << file;
+  }
+}
+
 // A red square stands before a white wall in frame 1 only.
 TEST(RenderImages, AMovingObjectHidesTheWallInItsFrameOnly) {
   auto scene = tests::scene_with(2, 1);
