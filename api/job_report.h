@@ -78,6 +78,9 @@ struct JobReport {
   std::optional<double> target_error = std::nullopt;  ///< as asked for
   std::optional<bool> target_error_met = std::nullopt;
   std::optional<Forecast> forecast = std::nullopt;  ///< of `keylume check`, and of `render` before it began
+  /// Of what the artefacts were made from, the input files and the program: 64 hexadecimal digits. Empty
+  /// where a run did not succeed.
+  std::string fingerprint = {};
 };
 
 // Defined in api/json/. Readers take documents of older and newer versions: what is not known is let pass.

@@ -168,6 +168,7 @@ JobReport read_job_report(const Node& root) {
   report.noise = known_number(root, "noise");
   report.target_error = known_number(root, "target_error");
   report.target_error_met = known_boolean(root, "target_error_met");
+  if (known_member(root, "fingerprint")) take_string(root, "fingerprint", report.fingerprint);
   if (const auto forecast = known_member(root, "forecast"))
     if (is_object(*forecast)) report.forecast = read_forecast(*forecast);
   return report;
@@ -236,6 +237,7 @@ std::string job_report_json(const JobReport& report) {
   json["target_error"] = optional_json(report.target_error);
   json["target_error_met"] = optional_json(report.target_error_met);
   json["forecast"] = report.forecast ? json_of(*report.forecast) : Json(nullptr);
+  json["fingerprint"] = report.fingerprint.empty() ? Json(nullptr) : Json(report.fingerprint);
   return json_text(json);
 }
 

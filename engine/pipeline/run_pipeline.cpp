@@ -92,7 +92,8 @@ api::Result<Patches> cut_into_patches(const PreparedJob& job, const api::JobRequ
 /// Where nothing is to be kept, or the inputs cannot be told apart: none.
 Checkpoints open_checkpoints(const RunHooks& hooks, const std::filesystem::path& input_folder) {
   if (hooks.checkpoint_folder.empty()) return {};
-  const auto fingerprint = job_fingerprint(input_folder);
+  const api::Result<std::string> fingerprint =
+      hooks.fingerprint.empty() ? job_fingerprint(input_folder) : hooks.fingerprint;
   return fingerprint ? Checkpoints(hooks.checkpoint_folder, *fingerprint, hooks.checkpoints_apart)
                      : Checkpoints();
 }

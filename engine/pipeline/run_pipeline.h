@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include "api/job_report.h"
 #include "api/job_request.h"
@@ -23,6 +24,7 @@ struct RunHooks {
   /// to be of the same job by the bytes of that folder (and of this program).
   std::filesystem::path checkpoint_folder = {};
   std::chrono::milliseconds checkpoints_apart = Checkpoints::kApart;  ///< at least
+  std::string fingerprint = {};  ///< job_fingerprint(input folder) of who knows it already
 };
 
 /// Solves the job whose inputs (scene.obj, MTL, textures) lie in `input_folder` and publishes its artefacts

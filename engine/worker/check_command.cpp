@@ -61,7 +61,7 @@ void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCo
 
 }  // namespace
 
-api::ExitCode check(const CheckCommand& command, const Checker& checker, const Refuser& refuser) {
+api::ExitCode check(const CheckCommand& command, const Checker& checker, const EngineParts& parts) {
   const Clock::time_point start = Clock::now();
   if (command.parent) {
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
@@ -86,7 +86,7 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const R
 
   api::JobReport report;
   const api::Status status =
-      without_exceptions([&] { return run_check(*folder, command.threads, checker, refuser, report); });
+      without_exceptions([&] { return run_check(*folder, command.threads, checker, parts.refuse, report); });
   complete_report(status, seconds_since(start), report);
   tell_report(report);
   if (status) tell("the job is sound" + counted(report) + forecast_text(report.forecast));

@@ -1,5 +1,6 @@
 #include "engine/worker/command_line.h"
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <set>
@@ -29,7 +30,17 @@ api::Result<std::uint64_t> parse_number(const Word& word, std::uint64_t min, std
   return number;
 }
 
-/// Every option of ours takes a value.
+/// Takes the option `name`, which has no value, out of `words`.
+api::Result<bool> take_switch(std::string_view name, std::vector<std::string_view>& words) {
+  const auto end = std::find(words.begin(), words.end(), "--");
+  const auto first = std::find(words.begin(), end, name);
+  if (first == end) return false;
+  if (std::find(first + 1, end, name) != end) return usage_error(std::string(name) + " is given twice");
+  words.erase(first);
+  return true;
+}
+
+/// Of options that take a value.
 api::Result<std::vector<Word>> split_words(std::span<const std::string_view> words) {
   std::vector<Word> split;
   std::set<std::string_view> seen;
@@ -86,7 +97,11 @@ api::Status take_process(const Word& word, std::optional<pid_t>& into) {
 
 api::Result<Command> parse_render(std::span<const std::string_view> words) {
   RenderCommand command;
-  const auto folder = parse_words(words, [&](const Word& word) -> api::Status {
+  std::vector<std::string_view> others(words.begin(), words.end());
+  const auto again = take_switch("--again", others);
+  if (!again) return again.error();
+  command.again = *again;
+  const auto folder = parse_words(others, [&](const Word& word) -> api::Status {
     if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
     if (word.name == "--checkpoint-seconds")
       return take_number(word, 0, kCheckpointSecondsMax, command.checkpoint_seconds);
@@ -116,17 +131,14 @@ api::Result<Command> parse_check(std::span<const std::string_view> words) {
 /// 2^53 - 1: what JSON carries without rounding.
 constexpr std::uint64_t kSeedMax = (std::uint64_t{1} << 53) - 1;
 
-/// `bench paper`. --quick alone among our options takes no value.
+/// `bench paper`.
 api::Result<Command> parse_bench(std::span<const std::string_view> words) {
   BenchCommand command;
   if (words.empty() || words[0] != "paper") return usage_error("bench knows 'paper' only");
-  std::vector<std::string_view> others;
-  for (const std::string_view word : words.subspan(1)) {
-    if (word == "--quick")
-      command.options.quick = true;
-    else
-      others.push_back(word);
-  }
+  std::vector<std::string_view> others(words.begin() + 1, words.end());
+  const auto quick = take_switch("--quick", others);
+  if (!quick) return quick.error();
+  command.options.quick = *quick;
   const auto split = split_words(others);
   if (!split) return split.error();
   for (const Word& word : *split) {
@@ -162,7 +174,7 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
 }
 
 std::string usage_line() {
-  return "usage: keylume render JOB_FOLDER [--threads N] [--checkpoint-seconds N] [--parent PID]\n"
+  return "usage: keylume render JOB_FOLDER [--again] [--threads N] [--checkpoint-seconds N] [--parent PID]\n"
          "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID]\n"
          "       keylume bench paper [--out FOLDER] [--scene NAME] [--seed N] [--quick] [--examples FOLDER]\n"
          "       keylume --help | --version\n";
@@ -174,6 +186,9 @@ render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what 
          JOB_FOLDER/artefacts, with manifest.json written last: where it stands, every artefact is whole.
          Appends one line of JSON per step to progress.ndjson and writes report.json, also on failure.
          Where an earlier run was stopped or killed, it goes on from what that left in JOB_FOLDER/checkpoint.
+         Where the same job is rendered already, by the same program, and its artefacts are whole, it says so
+         and does nothing.
+  --again         render it all the same
   --threads N     use N threads instead of all cores; the results are the same bytes
   --checkpoint-seconds N
                   save what a killed run can go on from at least N seconds apart (10)

@@ -26,6 +26,7 @@ struct RenderCommand {
   std::filesystem::path job_folder = {};
   unsigned threads = 0;              ///< 0: all cores; 1 .. kThreadsMax
   unsigned checkpoint_seconds = 10;  ///< [s] between checkpoints, at least; 0 .. kCheckpointSecondsMax
+  bool again = false;                ///< also where an earlier run has left all there is to make
   std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
 };
 

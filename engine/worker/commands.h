@@ -32,23 +32,33 @@ using Refuser = std::function<api::Error(const api::ReadRequest&, const std::fil
 api::Error refuse_as_read(const api::ReadRequest& read, const std::filesystem::path& input_folder,
                           const std::function<bool()>& stop_requested);
 
+/// Tells two computations apart, as engine::job_fingerprint. May throw.
+using Fingerprinter = std::function<api::Result<std::string>(const std::filesystem::path& input_folder)>;
+/// Cannot tell: every run is another.
+api::Result<std::string> unknown_fingerprint(const std::filesystem::path& input_folder);
+
+/// What else of the engine a command may need.
+struct EngineParts {
+  Refuser refuse = refuse_as_read;
+  Fingerprinter fingerprint = unknown_fingerprint;
+};
+
 /// One attempt at a job: locks the folder, clears leftovers, runs `pipeline`, writes progress.ndjson and
-/// report.json. Returns within 1 s after SIGTERM or SIGINT, or ends the process. Call from main, once.
-/// Where the folder is not ours (missing, or another worker's) nothing in it is touched.
-api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline,
-                     const Refuser& refuser = refuse_as_read);
+/// report.json. Where an earlier attempt has left all there is to make, it says so and touches nothing, but
+/// for `command.again`. Returns within 1 s after SIGTERM or SIGINT, or ends the process. Call from main,
+/// once. Where the folder is not ours (missing, or another worker's) nothing in it is touched.
+api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, const EngineParts& parts = {});
 
 /// Runs `checker` with limits on this process, from which it does not recover, and writes check.json and
 /// nothing else: a worker may be at the folder, or have finished it.
 /// Ends the process with limit_exceeded when the processor time is used up. Call from main, once.
-api::ExitCode check(const CheckCommand& command, const Checker& checker,
-                    const Refuser& refuser = refuse_as_read);
+api::ExitCode check(const CheckCommand& command, const Checker& checker, const EngineParts& parts = {});
 
 /// As engine::bench_paper of this program. May throw.
 using Bench = std::function<api::Status(const BenchOptions&)>;
 
 /// The whole program: `words` are argv without the program's name.
 api::ExitCode run_worker(std::span<const std::string_view> words, const Pipeline& pipeline,
-                         const Checker& checker, const Bench& bench, const Refuser& refuser = refuse_as_read);
+                         const Checker& checker, const Bench& bench, const EngineParts& parts = {});
 
 }  // namespace engine

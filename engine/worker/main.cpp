@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/bench/bench_paper.h"
+#include "engine/pipeline/job_fingerprint.h"
 #include "engine/pipeline/run_pipeline.h"
 #include "engine/worker/commands.h"
 #include "engine/worker/outcome.h"
@@ -16,7 +17,8 @@ int main(int argc, char** argv) {
       return engine::bench_paper(options, engine::this_program());
     };
     return static_cast<int>(
-        engine::run_worker(words, engine::run_pipeline, engine::check_job, bench, engine::refuse_job));
+        engine::run_worker(words, engine::run_pipeline, engine::check_job, bench,
+                           {.refuse = engine::refuse_job, .fingerprint = engine::job_fingerprint}));
   } catch (const std::bad_alloc&) {
     engine::tell("out of memory");
     return static_cast<int>(api::ExitCode::limit_exceeded);

@@ -78,6 +78,10 @@ api::Error refuse_as_read(const api::ReadRequest& read, const std::filesystem::p
           read.violations};
 }
 
+api::Result<std::string> unknown_fingerprint(const std::filesystem::path&) {
+  return std::string();
+}
+
 void complete_report(const api::Status& status, double wall_seconds, api::JobReport& report) {
   report.outcome = outcome_name(status);
   report.message = status ? "" : status.error().message;

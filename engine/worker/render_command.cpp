@@ -8,6 +8,7 @@
 
 #include "engine/base/parallel.h"
 #include "engine/worker/commands.h"
+#include "engine/worker/finished_run.h"
 #include "engine/worker/job_folder.h"
 #include "engine/worker/outcome.h"
 #include "engine/worker/progress_file.h"
@@ -42,9 +43,37 @@ class Narrator {
   std::string message_;
 };
 
+/// Has an earlier run left all there is to make? Tells what it finds.
+bool is_done(const JobFolder& folder, const std::string& fingerprint) {
+  switch (look_for_earlier_run(folder, fingerprint)) {
+    case EarlierRun::none:
+      return false;
+    case EarlierRun::whole:
+      tell("already rendered, nothing to do; --again renders it again");
+      return true;
+    case EarlierRun::of_other:
+      tell("another job was rendered here, or by another program; rendering anew");
+      return false;
+    case EarlierRun::damaged:
+      tell("this job was rendered, but not all of its artefacts are whole; rendering anew");
+      return false;
+  }
+  return false;
+}
+
+/// Empty: cannot be told.
+std::string fingerprint_of(const JobFolder& folder, const Fingerprinter& fingerprinter) {
+  std::string text;
+  (void)without_exceptions([&]() -> api::Status {
+    if (const auto fingerprint = fingerprinter(folder.input())) text = *fingerprint;
+    return api::Done{};
+  });
+  return text;
+}
+
 api::Status run_attempt(const JobFolder& folder, const RenderCommand& command, const Pipeline& pipeline,
-                        const Refuser& refuser, const Watch& watch, Clock::time_point start,
-                        api::JobReport& report) {
+                        const Refuser& refuser, const std::string& fingerprint, const Watch& watch,
+                        Clock::time_point start, api::JobReport& report) {
   if (const api::Status cleared = clear_leftovers(folder); !cleared) return cleared;
   const auto stop_requested = [&] { return watch.stop_requested(); };
   const auto read = read_job_request(folder);
@@ -61,8 +90,25 @@ api::Status run_attempt(const JobFolder& folder, const RenderCommand& command, c
   };
   hooks.stop_requested = stop_requested;
   hooks.checkpoint_folder = folder.checkpoint();
+  hooks.fingerprint = fingerprint;
   hooks.checkpoints_apart = std::chrono::seconds(command.checkpoint_seconds);
   return pipeline(read->request, folder.input(), folder.artefacts(), hooks, report);
+}
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g %%", 100 * share);
+  return text;
+}
+
+/// How good the result is, where that was estimated.
+void tell_noise(const api::JobReport& report) {
+  if (!report.noise) return;
+  std::string text = "noise " + percent(*report.noise) + " of the mean radiosity";
+  if (report.target_error && report.target_error_met)
+    text += "; the target error of " + percent(*report.target_error) + " is " +
+            (*report.target_error_met ? "met" : "missed");
+  tell(text);
 }
 
 /// The report of a process that ends in the midst of its work. Another thread fills the real one: not
@@ -85,6 +131,7 @@ api::ExitCode conclude(const JobFolder& folder, const api::Status& status, doubl
   const api::Status written = write_report(folder.report(), report);
   if (!written) tell("report.json: " + written.error().message);
   if (!status) return exit_code_of(status);
+  tell_noise(report);
   if (written)
     tell("succeeded in " + text_of_seconds(wall_seconds) + ", peak memory " +
          std::to_string(report.peak_memory_bytes >> 20) + " MiB");
@@ -93,7 +140,7 @@ api::ExitCode conclude(const JobFolder& folder, const api::Status& status, doubl
 
 }  // namespace
 
-api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, const Refuser& refuser) {
+api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, const EngineParts& parts) {
   const Clock::time_point start = Clock::now();
   if (command.parent) {
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
@@ -108,11 +155,21 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, con
   set_thread_count(command.threads);
   auto opened = JobFolder::open(command.job_folder);
   if (!opened) return give_up(opened.error());
-  locked = &folder.emplace(std::move(*opened));
+  folder.emplace(std::move(*opened));
+  const std::string fingerprint = fingerprint_of(*folder, parts.fingerprint);
+  bool done = false;
+  (void)without_exceptions([&]() -> api::Status {
+    done = !command.again && !fingerprint.empty() && is_done(*folder, fingerprint);
+    return api::Done{};
+  });
+  if (done) return api::ExitCode::ok;
+  locked = &*folder;  // not before: being stopped must not replace the report of a run that is done
 
   api::JobReport report;
-  const api::Status status = without_exceptions(
-      [&] { return run_attempt(*folder, command, pipeline, refuser, **watch, start, report); });
+  const api::Status status = without_exceptions([&] {
+    return run_attempt(*folder, command, pipeline, parts.refuse, fingerprint, **watch, start, report);
+  });
+  if (status) report.fingerprint = fingerprint;
   return conclude(*folder, status, seconds_since(start), report);
 }
 

@@ -30,7 +30,7 @@ Overloaded(Cases...) -> Overloaded<Cases...>;
 }  // namespace
 
 api::ExitCode run_worker(std::span<const std::string_view> words, const Pipeline& pipeline,
-                         const Checker& checker, const Bench& bench, const Refuser& refuser) {
+                         const Checker& checker, const Bench& bench, const EngineParts& parts) {
   const auto command = parse_command_line(words);
   if (!command) {
     tell(command.error().message);
@@ -39,8 +39,8 @@ api::ExitCode run_worker(std::span<const std::string_view> words, const Pipeline
   }
   settle_in();
   return std::visit(Overloaded{
-                        [&](const RenderCommand& given) { return render(given, pipeline, refuser); },
-                        [&](const CheckCommand& given) { return check(given, checker, refuser); },
+                        [&](const RenderCommand& given) { return render(given, pipeline, parts); },
+                        [&](const CheckCommand& given) { return check(given, checker, parts); },
                         [&](const BenchCommand& given) { return run_bench(given.options, bench); },
                         [](const HelpCommand&) { return print(help_text()); },
                         [](const VersionCommand&) { return print("keylume " KEYLUME_VERSION "\n"); },

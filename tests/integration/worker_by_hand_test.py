@@ -45,6 +45,36 @@ class WorkerByHand(unittest.TestCase):
         self.assertEqual(sum(path.endswith(".png") for path in results[0]), 8)
         self.assertEqual(results[0], results[1])
 
+    def test_what_is_rendered_already_is_not_rendered_again_unless_asked_for_or_changed(self):
+        folder = self.job_folder("job", frames=2)
+        self.assertEqual(self.render(folder).returncode, 0)
+        first = self.artefacts(folder)
+        checked = subprocess.run([WORKER, "check", str(folder)], capture_output=True, text=True, timeout=60)
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+
+        def lines():
+            return len((folder / "progress.ndjson").read_text().splitlines())
+        for options, change, done, message in (
+                ((), None, True, "already rendered, nothing to do"),
+                (("--again",), None, False, "succeeded in"),
+                ((), lambda: (folder / "artefacts/radiosity.npy").write_bytes(b"?"), False, "not all of its artefacts"),
+                ((), lambda: changed(folder / "input", lambda job: job.update(name="other")), False, "another job was")):
+            with self.subTest(message):
+                if change:
+                    change()
+                before = lines()
+                run = self.render(folder, *options)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertIn(message, run.stderr)
+                self.assertEqual(lines() == before, done)
+                self.assertEqual(self.artefacts(folder), first, "a name is nothing that is computed with")
+
+    def test_a_target_error_is_told_at_the_end(self):
+        folder = self.job_folder("job", frames=2, target_error=0.5)
+        run = self.render(folder)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertRegex(run.stderr, r"keylume: noise [\d.]+ % of the mean radiosity; the target error of 50 % is met\n")
+
     def test_another_seed_leaves_other_bytes(self):
         sums = set()
         for seed in (1, 2):

@@ -138,6 +138,7 @@ TEST(JobReport, ComesBackAsItWasWritten) {
   report.noise = 0.0125;
   report.target_error = 0.01;
   report.target_error_met = false;
+  report.fingerprint = "0123abcd";
   report.forecast =
       Forecast{.patches = 600, .frames = 24, .polygons = 6, .memory_bytes = 1u << 30, .seconds = 4.5};
   const std::string text = job_report_json(report);
@@ -153,19 +154,21 @@ TEST(JobReport, ComesBackAsItWasWritten) {
   EXPECT_EQ(read->noise, 0.0125);
   EXPECT_EQ(read->target_error, 0.01);
   EXPECT_EQ(read->target_error_met, false);
+  EXPECT_EQ(read->fingerprint, "0123abcd");
   ASSERT_TRUE(read->forecast);
   EXPECT_EQ(read->forecast->memory_bytes, 1u << 30);
 }
 
 TEST(JobReport, WhatIsNotKnownIsNullAndMayBeMissing) {
   auto json = ParsedJson::parse(job_report_json({}));
-  for (const char* name : {"noise", "target_error", "target_error_met", "forecast"}) {
+  for (const char* name : {"noise", "target_error", "target_error_met", "forecast", "fingerprint"}) {
     EXPECT_EQ(json[name], nullptr) << name;
     json.erase(name);
   }
   const auto read = parse_job_report(json.dump());
   ASSERT_TRUE(read) << problem_json(read.error(), 500, "");
   EXPECT_FALSE(read->noise || read->target_error || read->target_error_met || read->forecast);
+  EXPECT_EQ(read->fingerprint, "");
 }
 
 TEST(JobReport, RefusesFilesThatAreNone) {

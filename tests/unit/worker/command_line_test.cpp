@@ -37,6 +37,18 @@ TEST(CommandLine, RenderAloneUsesAllCoresAndHasNoParent) {
   EXPECT_FALSE(std::get<RenderCommand>(*command).parent);
 }
 
+TEST(CommandLine, AgainStandsAloneAnywhereButOnce) {
+  for (const auto& command : {parse({"render", "--again", "job"}), parse({"render", "job", "--again"})}) {
+    ASSERT_TRUE(command) << command.error().message;
+    EXPECT_TRUE(std::get<RenderCommand>(*command).again);
+    EXPECT_EQ(std::get<RenderCommand>(*command).job_folder, "job");
+  }
+  EXPECT_FALSE(std::get<RenderCommand>(*parse({"render", "job"})).again);
+  EXPECT_EQ(std::get<RenderCommand>(*parse({"render", "--", "--again"})).job_folder, "--again");
+  EXPECT_EQ(refusal({"render", "--again", "job", "--again"}), "--again is given twice");
+  EXPECT_NE(refusal({"check", "job", "--again"}), "");
+}
+
 TEST(CommandLine, CheckTakesItsLimits) {
   const auto command = parse({"check", "job", "--memory-mb", "512", "--seconds", "9"});
   ASSERT_TRUE(command);

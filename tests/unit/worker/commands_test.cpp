@@ -7,6 +7,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "engine/output/artefacts.h"
 #include "engine/worker/job_folder.h"
 #include "engine/worker/supervision.h"
 #include "tests/unit/worker/a_job_folder.h"
@@ -150,6 +151,96 @@ TEST_F(Render, AFolderThatIsMissingIsAFailureAndIsNotMade) {
   EXPECT_FALSE(folder_.has("nowhere"));
 }
 
+/// A pipeline that leaves an artefact, and counts how often it ran.
+class RenderAgain : public testing::Test {
+ protected:
+  ExitCode run(const std::string& fingerprint, bool again = false) {
+    const auto pipeline = [&](const auto&, const auto&, const fs::path& artefacts, const auto& hooks,
+                              auto&) -> api::Status {
+      EXPECT_EQ(hooks.fingerprint, fingerprint);
+      ++runs_;
+      if (const auto written = engine::write_file(artefacts / "a.npy", "numbers"); !written) return written;
+      return engine::write_manifest(artefacts, std::vector{engine::Artefact{"a.npy", "application/x-npy"}});
+    };
+    return engine::render({.job_folder = folder_.path, .again = again}, pipeline,
+                          {.fingerprint = [&](const fs::path&) { return fingerprint; }});
+  }
+  tests::AJobFolder folder_;
+  int runs_ = 0;
+};
+
+TEST_F(RenderAgain, WhatIsRenderedAlreadyIsLeftAsItIs) {
+  ASSERT_EQ(run("this job"), ExitCode::ok);
+  const std::string report = folder_.read("report.json"), progress = folder_.read("progress.ndjson");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run("this job"), ExitCode::ok);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("already rendered, nothing to do"),
+            std::string::npos);
+  EXPECT_EQ(runs_, 1);
+  EXPECT_EQ(folder_.read("report.json"), report);
+  EXPECT_EQ(folder_.read("progress.ndjson"), progress);
+  EXPECT_TRUE(folder_.has("artefacts/manifest.json"));
+}
+
+TEST_F(RenderAgain, ItIsRenderedWhereThatIsAskedForOrTheJobHasChanged) {
+  ASSERT_EQ(run("this job"), ExitCode::ok);
+  EXPECT_EQ(run("this job", true), ExitCode::ok);
+  EXPECT_EQ(runs_, 2);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run("another"), ExitCode::ok);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("another job was rendered here"), std::string::npos);
+  EXPECT_EQ(runs_, 3);
+  EXPECT_EQ(run(""), ExitCode::ok) << "cannot be told apart";
+  EXPECT_EQ(runs_, 4);
+}
+
+TEST_F(RenderAgain, ItIsRenderedWhereAnArtefactIsNotAsItWasWritten) {
+  ASSERT_EQ(run("this job"), ExitCode::ok);
+  folder_.write("artefacts/a.npy", "nambers");
+  EXPECT_EQ(run("this job"), ExitCode::ok);
+  EXPECT_EQ(runs_, 2);
+  EXPECT_EQ(folder_.read("artefacts/a.npy"), "numbers");
+  for (const char* file : {"artefacts/a.npy", "artefacts/manifest.json", "report.json"}) {
+    fs::remove(folder_.path / file);
+    const int before = runs_;
+    EXPECT_EQ(run("this job"), ExitCode::ok);
+    EXPECT_EQ(runs_, before + 1) << file;
+  }
+  folder_.write("artefacts/manifest.json", "{}");
+  EXPECT_EQ(run("this job"), ExitCode::ok);
+  EXPECT_EQ(runs_, 6);
+}
+
+TEST_F(Render, ARunThatFailedIsNoRunThatIsDone) {
+  const engine::EngineParts parts{.fingerprint = [](const fs::path&) { return std::string("this job"); }};
+  for (int i = 0; i < 2; ++i)
+    EXPECT_EQ(engine::render(
+                  {.job_folder = folder_.path},
+                  [](const auto&, const auto&, const auto&, const auto&, auto&) -> api::Status {
+                    return api::Error{Fault::internal, "a bug"};
+                  },
+                  parts),
+              ExitCode::internal);
+  EXPECT_EQ(report().fingerprint, "");
+}
+
+TEST_F(Render, TheNoiseAndWhetherItIsWhatWasAskedForIsTold) {
+  const auto told = [&](double noise, std::optional<double> target) {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(run([&](const engine::RunHooks&, api::JobReport& report) -> api::Status {
+                report.noise = noise;
+                report.target_error = target;
+                if (target) report.target_error_met = noise <= *target;
+                return api::Done{};
+              }),
+              ExitCode::ok);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_NE(told(0.0183, {}).find("noise 1.8 % of the mean radiosity\n"), std::string::npos);
+  EXPECT_NE(told(0.009, 0.01).find("radiosity; the target error of 1 % is met\n"), std::string::npos);
+  EXPECT_NE(told(0.012, 0.01).find("radiosity; the target error of 1 % is missed\n"), std::string::npos);
+}
+
 class Check : public testing::Test {
  protected:
   ExitCode run(const engine::Checker& checker) {
@@ -247,13 +338,12 @@ TEST_F(Check, AWrongAnimationIsHandedToWhoSeesTheOtherFilesToo) {
     why.violations.push_back({"scene.obj", "", 9, 2, "syntax", "what?"});
     return why;
   };
-  EXPECT_EQ(engine::check(
-                {.job_folder = folder_.path},
-                [](const auto&, const auto&, unsigned, auto&) -> api::Status {
-                  ADD_FAILURE() << "a wrong job was checked as if it were right";
-                  return api::Done{};
-                },
-                refuser),
+  EXPECT_EQ(engine::check({.job_folder = folder_.path},
+                          [](const auto&, const auto&, unsigned, auto&) -> api::Status {
+                            ADD_FAILURE() << "a wrong job was checked as if it were right";
+                            return api::Done{};
+                          },
+                          {.refuse = refuser}),
             ExitCode::invalid_input);
   ASSERT_EQ(report().violations.size(), 2u);
   EXPECT_EQ(report().violations[0].pointer, "/freames");
