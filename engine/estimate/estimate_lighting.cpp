@@ -1,6 +1,7 @@
 #include "engine/estimate/estimate_lighting.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "engine/base/sobol.h"
 #include "engine/lighting/solve_difference.h"
@@ -9,124 +10,211 @@
 namespace engine {
 namespace {
 
-/// Shadow rays per light and coarse patch. A patch of metres stands for many fine ones: it gets more rays
-/// than one of them, and all of them together are still few.
-constexpr std::uint32_t kSamplesPerLight = 32;
+constexpr std::string_view kLinesName = "estimate-lines";
 
-/// Replaces `mean` of the lines before by that with `next`, which has `share` of all lines.
-void blend(const PatchSeries& next, std::uint32_t first_frame, float share, PatchSeries& mean) {
-  for (PatchId patch = 0; patch < next.patch_count; ++patch)
-    for (std::uint32_t f = 0; f < next.frame_count; ++f) {
-      Rgb& value = mean.at(patch, first_frame + f);
-      value += (next.at(patch, f) - value) * share;
-    }
+bool compares_replicates(const api::LightingOptions& options) {
+  return options.mode == api::LightingMode::standard;
+}
+
+/// Moves `mean` towards `next`, which has `share` of all lines.
+void blend(Rgb next, float share, Rgb& mean) {
+  mean += (next - mean) * share;
 }
 
 }  // namespace
 
 api::Result<Estimator> Estimator::begin(const Scene& scene, const Animation& animation,
                                         const StaticRays& static_rays, std::span<const LightGroup> groups,
-                                        const api::LightingOptions& options, const Progress& progress) {
+                                        const api::LightingOptions& options, const Progress& progress,
+                                        const EstimateCheckpoints& checkpoints) {
   auto patches = mesh_into_patches(scene, options.estimate_patch_edge_m);
   if (!patches) return patches.error();
   patches->texture_reflectance = texture_reflectance(scene, animation, *patches);
-  Estimator estimator(scene, animation, static_rays, options);
+  Estimator estimator(scene, animation, static_rays, options, checkpoints.files);
   estimator.estimate_ = std::make_unique<Estimate>();
-  estimator.estimate_->patches = std::move(*patches);
-  if (const auto s = estimator.light_directly(groups, progress); !s) return s.error();
+  Estimate& estimate = *estimator.estimate_;
+  estimate.patches = std::move(*patches);
+  for (const LightGroup& group : groups) estimate.groups.push_back({group, {}});
+  if (options.direct == api::DirectLight::apart)
+    if (const auto s =
+            light_estimate_directly(animation, static_rays, options, checkpoints, estimate, progress);
+        !s)
+      return s.error();
+  estimator.make_room();
+  estimator.load();
   return estimator;
 }
 
-api::Status Estimator::light_directly(std::span<const LightGroup> groups, const Progress& progress) {
+void Estimator::make_room() {
   Estimate& estimate = *estimate_;
+  const std::uint32_t patches = estimate.patches.count(), frames = animation_->frame_count;
+  estimate.radiosity_w_m2 = PatchSeries(patches, frames);
+  estimate.interpolated = {};
+  if (compares_replicates(*options_)) {
+    const bool total = options_->interpolated == api::Interpolated::total;
+    estimate.interpolated =
+        ReplicateSeries(patches, frames, total ? 1 : static_cast<std::uint32_t>(estimate.groups.size()));
+  }
+  estimate.line_count = 0;
+  trace_ = {};
+}
+
+void Estimator::save() {
+  // One that fails costs time only if the run is killed.
+  (void)files_->save(kLinesName, {part_of_checkpoint(estimate_->line_count), part_of_checkpoint(trace_),
+                                  part_of_checkpoint(estimate_->radiosity_w_m2.values),
+                                  part_of_checkpoint(estimate_->interpolated.values)});
+}
+
+/// Into what make_room() has made; a checkpoint is whole, and of this job, or not there.
+void Estimator::load() {
+  if (!files_) return;
+  auto saved = files_->load(kLinesName);
+  if (!saved) return;
+  auto& radiosity = estimate_->radiosity_w_m2.values;
+  auto& interpolated = estimate_->interpolated.values;
+  const std::size_t values = radiosity.size(), compared = interpolated.size();
+  if (!saved->take(estimate_->line_count) || !saved->take(trace_) || !saved->take(radiosity) ||
+      !saved->take(interpolated) || radiosity.size() != values || interpolated.size() != compared)
+    make_room();
+}
+
+void Estimator::forget(Checkpoints& files) {
+  files.remove(kLinesName);
+  files.remove(kEstimateDirectName);
+}
+
+std::uint32_t Estimator::window_count() const {
+  return static_cast<std::uint32_t>((animation_->frame_count + kWindowMax - 1) / kWindowMax);
+}
+
+bool Estimator::is_beyond(std::uint64_t line_count) const {
+  return estimate_->line_count > line_count || (estimate_->line_count == line_count && unfinished());
+}
+
+double Estimator::lines_done() const {
+  const double replicates = trace_.replicate + static_cast<double>(trace_.window) / window_count();
+  return static_cast<double>(estimate_->line_count) + static_cast<double>(trace_.lines) * replicates;
+}
+
+api::Status Estimator::add_lines_up_to(std::uint64_t line_count, const Progress& progress) {
+  const std::uint64_t wanted = std::max<std::uint64_t>(1, line_count / kEstimateReplicates);
+  const double had = lines_done(), lacking = static_cast<double>(wanted * kEstimateReplicates) - had;
+  for (;;) {
+    const std::uint64_t have = estimate_->line_count / kEstimateReplicates;
+    if (!unfinished()) {
+      if (have >= wanted) return api::Done{};
+      trace_.lines = lines_of_next_trace(wanted - have);
+    }
+    const auto share = [&](double lines) { return std::clamp((lines - had) / lacking, 0.0, 1.0); };
+    const double before = lines_done();
+    const double after = static_cast<double>(estimate_->line_count) +
+                         static_cast<double>(trace_.lines) * (trace_.replicate + 1);
+    if (const auto s = add_replicate(part_of(progress, share(before), share(after))); !s) return s.error();
+  }
+}
+
+std::vector<GroupSource> Estimator::sources() const {
   const bool apart = options_->direct == api::DirectLight::apart;
-  const auto frames = every_frame(*animation_);
-  for (const LightGroup& group : groups) {
-    estimate.groups.push_back({group, {}});
-    if (!apart) continue;
-    auto direct = direct_light(estimate.patches, *animation_, estimate.groups.back().group.emission,
-                               *static_rays_, frames, {kSamplesPerLight, 1, options_->seed}, progress);
-    if (!direct) return direct.error();
-    estimate.groups.back().direct = std::move(*direct);
-  }
-  if (apart) {
-    direct_ = PatchSeries(estimate.patches.count(), animation_->frame_count);
-    add_direct_irradiance(pointers_to(estimate.groups), frames, direct_);
-  }
-  const bool total = options_->interpolated == api::Interpolated::total;
-  const PatchSeries none(estimate.patches.count(), animation_->frame_count);
-  irradiance_.assign(kEstimateReplicates, none);
-  estimate.interpolated.assign(total ? 1 : groups.size(),
-                               std::vector<PatchSeries>(kEstimateReplicates, none));
-  return api::Done{};
-}
-
-api::Status Estimator::add_lines(std::uint64_t line_count, const Progress& progress) {
-  const std::uint64_t lines = std::max<std::uint64_t>(1, line_count / kEstimateReplicates);
-  for (std::uint32_t r = 0; r < kEstimateReplicates; ++r) {
-    const auto share = [&](std::uint32_t i) { return static_cast<double>(i) / kEstimateReplicates; };
-    if (const auto s = add_replicate(r, lines, part_of(progress, share(r), share(r + 1))); !s)
-      return s.error();
-  }
-  ++batches_;
-  Estimate& estimate = *estimate_;
-  estimate.line_count += lines * kEstimateReplicates;
-
-  const auto frames = every_frame(*animation_);
-  const bool total = options_->interpolated == api::Interpolated::total;
-  estimate.radiosity_w_m2 = PatchSeries(estimate.patches.count(), animation_->frame_count);
-  for (std::uint32_t r = 0; r < kEstimateReplicates; ++r) {
-    PatchSeries of_replicate = irradiance_[r];
-    for (std::size_t k = 0; k < direct_.values.size(); ++k) of_replicate.values[k] += direct_.values[k];
-    to_radiosity(lit(), pointers_to(estimate.groups), frames, of_replicate);
-    blend(of_replicate, 0, 1.0f / static_cast<float>(r + 1), estimate.radiosity_w_m2);
-    if (total) estimate.interpolated[0][r] = std::move(of_replicate);
-  }
-  return api::Done{};
-}
-
-api::Status Estimator::add_replicate(std::uint32_t replicate, std::uint64_t lines, const Progress& progress) {
-  Estimate& estimate = *estimate_;
-  const LitScene scene = lit();
-  const LineOptions options{lines, stream_seed(stream_seed(options_->seed, replicate), 0xe57ull + batches_)};
-  const float share =
-      static_cast<float>(lines) / static_cast<float>(estimate.line_count / kEstimateReplicates + lines);
   std::vector<GroupSource> sources;
-  for (const LitGroup& group : estimate.groups)
-    sources.push_back(
-        {&group.group.emission, options_->direct == api::DirectLight::apart ? &group.direct : nullptr});
+  for (const LitGroup& group : estimate_->groups)
+    sources.push_back({&group.group.emission, apart ? &group.direct : nullptr});
+  return sources;
+}
+
+/// Finishes the replicate at work.
+api::Status Estimator::add_replicate(const Progress& progress) {
+  const LineOptions lines{
+      trace_.lines, stream_seed(stream_seed(options_->seed, trace_.replicate), 0xe57ull + trace_.number)};
   constexpr double kRestShare = 0.2;  // progress only, as are the shares of windows
   SolveCounts uncounted;
-  const auto rest = light_at_rest(scene, sources, options, uncounted, part_of(progress, 0, kRestShare));
-  if (!rest) return rest.error();
+  const auto all = sources();
+  const auto rests = light_at_rest(lit(), all, lines, uncounted, part_of(progress, 0, kRestShare));
+  if (!rests) return rests.error();
 
   const auto frames = every_frame(*animation_);
-  const auto share_before = [&](std::size_t frame) {
-    return kRestShare + (1 - kRestShare) * static_cast<double>(frame) / static_cast<double>(frames.size());
-  };
-  for (std::size_t first = 0; first < frames.size(); first += kWindowMax) {
+  const std::uint32_t windows = window_count(), begun_at = trace_.window;
+  for (std::uint32_t w = begun_at; w < windows; ++w) {
+    const std::size_t first = w * kWindowMax;
     const auto window = std::span(frames).subspan(first, std::min(kWindowMax, frames.size() - first));
-    const auto slots = static_cast<std::uint32_t>(window.size());
-    const auto traced = trace_lines(scene.patches, *animation_, *static_rays_, window, options,
-                                    part_of(progress, share_before(first), share_before(first + slots)));
-    if (!traced) return traced.error();
-    PatchSeries irradiance(scene.patches.count(), slots);
-    for (std::size_t g = 0; g < sources.size(); ++g) {
-      const WindowScene lit_window{scene, window, *traced, (*rest)[g], sources[g]};
-      auto light = solve_difference(lit_window, Columns::every(slots),
-                                    Progress{[](double) {}, progress.stop_requested});
-      if (!light) return light.error();
-      if (options_->interpolated == api::Interpolated::indirect)
-        blend(light->carried_w_m2, static_cast<std::uint32_t>(first), share,
-              estimate.interpolated[g][replicate]);
-      for (PatchId patch = 0; patch < scene.patches.count(); ++patch)
-        for (std::uint32_t s = 0; s < slots; ++s)
-          light->irradiance_w_m2.at(patch, s) += (*rest)[g].irradiance_w_m2[patch];
-      add_scaled(estimate.groups[g].group, light->irradiance_w_m2, window, irradiance);
-    }
-    blend(irradiance, static_cast<std::uint32_t>(first), share, irradiance_[replicate]);
+    const auto share = [&](std::uint32_t k) {
+      return kRestShare + (1 - kRestShare) * (k - begun_at) / (windows - begun_at);
+    };
+    if (const auto s = add_window(window, all, *rests, lines, part_of(progress, share(w), share(w + 1))); !s)
+      return s.error();
+    finish_window();
+    if (files_ && files_->due()) save();
   }
   return api::Done{};
+}
+
+api::Status Estimator::add_window(std::span<const FrameIndex> window, std::span<const GroupSource> sources,
+                                  std::span<const RestLight> rests, const LineOptions& lines,
+                                  const Progress& progress) {
+  const LitScene scene = lit();
+  const auto slots = static_cast<std::uint32_t>(window.size());
+  const auto traced = trace_lines(scene.patches, *animation_, *static_rays_, window, lines, progress);
+  if (!traced) return traced.error();
+  PatchSeries irradiance(scene.patches.count(), slots);
+  for (std::uint32_t g = 0; g < sources.size(); ++g) {
+    auto light = solve_difference({scene, window, *traced, rests[g], sources[g]}, Columns::every(slots),
+                                  Progress{[](double) {}, progress.stop_requested});
+    if (!light) return light.error();
+    for (PatchId patch = 0; patch < scene.patches.count(); ++patch)
+      for (std::uint32_t s = 0; s < slots; ++s)
+        light->irradiance_w_m2.at(patch, s) += rests[g].irradiance_w_m2[patch];
+    add_scaled(estimate_->groups[g].group, light->irradiance_w_m2, window, irradiance);
+    if (options_->interpolated == api::Interpolated::indirect)
+      take_compared(light->carried_w_m2, window.front(), g);
+  }
+  take_radiosity(std::move(irradiance), window);
+  return api::Done{};
+}
+
+/// Of the lines of the replicate at work, those of its trace.
+float Estimator::share_of_replicate() const {
+  const std::uint64_t have = estimate_->line_count / kEstimateReplicates;
+  return static_cast<float>(trace_.lines) / static_cast<float>(have + trace_.lines);
+}
+
+void Estimator::take_compared(const PatchSeries& part, FrameIndex first_frame, std::uint32_t group) {
+  ReplicateSeries& interpolated = estimate_->interpolated;
+  if (interpolated.values.empty()) return;
+  const float share = share_of_replicate();
+  for (PatchId patch = 0; patch < part.patch_count; ++patch)
+    for (std::uint32_t s = 0; s < part.frame_count; ++s)
+      blend(part.at(patch, s), share,
+            interpolated.of_replicate(patch, first_frame + s, group, trace_.replicate));
+}
+
+/// `irradiance`: what lines bring, of all groups.
+void Estimator::take_radiosity(PatchSeries irradiance, std::span<const FrameIndex> window) {
+  Estimate& estimate = *estimate_;
+  for (PatchId patch = 0; patch < irradiance.patch_count; ++patch)
+    for (std::uint32_t s = 0; s < window.size(); ++s) {
+      Rgb direct;
+      for (const LitGroup& lit : estimate.groups)
+        if (!lit.direct.irradiance_w_m2.values.empty())
+          direct += in_frame(lit.group.scale, window[s]) * lit.direct.irradiance_w_m2.at(patch, window[s]);
+      irradiance.at(patch, s) += direct;
+    }
+  to_radiosity(lit(), pointers_to(estimate.groups), window, irradiance);
+  if (options_->interpolated == api::Interpolated::total) take_compared(irradiance, window.front(), 0);
+  const double lines = static_cast<double>(trace_.lines);
+  const auto share = static_cast<float>(
+      lines / (static_cast<double>(estimate.line_count) + lines * (trace_.replicate + 1.0)));
+  for (PatchId patch = 0; patch < irradiance.patch_count; ++patch)
+    for (std::uint32_t s = 0; s < window.size(); ++s)
+      blend(irradiance.at(patch, s), share, estimate.radiosity_w_m2.at(patch, window[s]));
+}
+
+void Estimator::finish_window() {
+  if (++trace_.window < window_count()) return;
+  trace_.window = 0;
+  if (++trace_.replicate < kEstimateReplicates) return;
+  estimate_->line_count += trace_.lines * kEstimateReplicates;
+  trace_ = {trace_.number + 1, 0, 0, 0};
+  estimate_->interpolated.take_means();
 }
 
 }  // namespace engine

@@ -11,7 +11,7 @@
 namespace engine {
 namespace {
 
-constexpr std::size_t kOfGroup = 1 + kEstimateReplicates;  ///< mean, then replicates
+constexpr std::size_t kOfGroup = ReplicateSeries::kOfGroup;  ///< mean, then replicates
 
 float largest_channel(Rgb value) {
   return std::max({std::abs(value.r), std::abs(value.g), std::abs(value.b)});
@@ -31,10 +31,9 @@ Rgb standard_error(const std::array<Rgb, kOfGroup>& all) {
 }  // namespace
 
 InterpolationError::InterpolationError(const LitScene& lit, const Estimate& estimate, api::Interpolated what)
-    : frame_count_(estimate.radiosity_w_m2.frame_count),
-      group_count_(static_cast<std::uint32_t>(estimate.interpolated.size())),
-      stride_(group_count_ * kOfGroup),
-      values_(estimate.radiosity_w_m2.values.size() * stride_),
+    : values_(estimate.interpolated),
+      frame_count_(values_.frame_count),
+      group_count_(values_.group_count),
       weights_(estimate.radiosity_w_m2.values.size() * group_count_),
       relative_(estimate.radiosity_w_m2.values.size()),
       refused_first_(lit.patches.count()) {
@@ -44,17 +43,11 @@ InterpolationError::InterpolationError(const LitScene& lit, const Estimate& esti
     for (FrameIndex f = 0; f < frame_count_; ++f, ++at) {
       const float against = std::max(max_channel(estimate.radiosity_w_m2.values[at]), floor);
       relative_[at] = against > 0 ? 1.0f / against : 0.0f;  // a scene without light has no error
-      for (std::uint32_t g = 0; g < group_count_; ++g) {
-        Rgb* all = values_.data() + at * stride_ + g * kOfGroup;
-        for (std::uint32_t r = 0; r < kEstimateReplicates; ++r) {
-          all[1 + r] = estimate.interpolated[g][r].values[at];
-          all[0] += all[1 + r] * (1.0f / kEstimateReplicates);
-        }
+      for (std::uint32_t g = 0; g < group_count_; ++g)
         weights_[at * group_count_ + g] =
             what == api::Interpolated::total
                 ? Rgb{1, 1, 1}
                 : lit.reflectance(patch, f) * in_frame(estimate.groups[g].group.scale, f);
-      }
     }
   std::iota(refused_first_.begin(), refused_first_.end(), 0u);
 }
@@ -62,7 +55,7 @@ InterpolationError::InterpolationError(const LitScene& lit, const Estimate& esti
 float InterpolationError::of_patch(PatchId patch, api::FrameIndex a, api::FrameIndex f, api::FrameIndex b,
                                    Evidence evidence) const {
   const float w = static_cast<float>(f - a) / static_cast<float>(b - a);
-  const Rgb *at_a = values(patch, a), *at_b = values(patch, b), *at_f = values(patch, f);
+  const Rgb *at_a = values_.at(patch, a), *at_b = values_.at(patch, b), *at_f = values_.at(patch, f);
   const std::size_t row = std::size_t{patch} * frame_count_ + f;
   const std::size_t used = evidence == Evidence::likely ? 1 : kOfGroup;
   std::array<Rgb, kOfGroup> missed{};
@@ -100,11 +93,11 @@ std::vector<double> InterpolationError::largest(std::span<const api::FrameIndex>
   for (PatchId patch = 0; patch < refused_first_.size(); ++patch) {
     std::fill(missed.begin(), missed.end(), Rgb{});
     for (std::uint32_t g = 0; g < group_count_; ++g) {
-      for (std::size_t k = 0; k < knots.size(); ++k) at_knots[k] = values(patch, knots[k])[g * kOfGroup];
+      for (std::size_t k = 0; k < knots.size(); ++k) at_knots[k] = values_.at(patch, knots[k])[g * kOfGroup];
       interpolator.apply(at_knots.data(), found.data());
       for (FrameIndex f = 0; f < frame_count_; ++f)
         missed[f] += weights_[(std::size_t{patch} * frame_count_ + f) * group_count_ + g] *
-                     (found[f] - values(patch, f)[g * kOfGroup]);
+                     (found[f] - values_.at(patch, f)[g * kOfGroup]);
     }
     for (FrameIndex f = 0; f < frame_count_; ++f)
       largest[f] = std::max(

@@ -4,7 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/estimate/estimate_lighting.h"
+#include "api/lighting_options.h"
+#include "engine/estimate/estimate.h"
+#include "engine/lighting/lit_scene.h"
 
 namespace engine {
 
@@ -28,7 +30,9 @@ inline constexpr float kSignificance = 3.9f;
 /// Y^ - Y over the replicates is its noise: a paired comparison.
 class InterpolationError {
  public:
+  /// `estimate`, which has what mode `default` compares, outlives it and does not change.
   InterpolationError(const LitScene& lit, const Estimate& estimate, api::Interpolated what);
+  InterpolationError(const LitScene& lit, Estimate&& estimate, api::Interpolated what) = delete;
 
   std::uint32_t frame_count() const { return frame_count_; }
 
@@ -43,13 +47,9 @@ class InterpolationError {
  private:
   float of_patch(PatchId patch, api::FrameIndex a, api::FrameIndex f, api::FrameIndex b,
                  Evidence evidence) const;
-  const Rgb* values(PatchId patch, api::FrameIndex f) const {
-    return values_.data() + (std::size_t{patch} * frame_count_ + f) * stride_;
-  }
 
+  const ReplicateSeries& values_;
   std::uint32_t frame_count_, group_count_;
-  std::size_t stride_;                  ///< group_count_ (1 + replicates)
-  std::vector<Rgb> values_;             ///< [patch][frame][group][mean, then replicates]
   std::vector<Rgb> weights_;            ///< rho scale, [patch][frame][group]
   std::vector<float> relative_;         ///< 1 / max(max_c B, mean B / 2), [patch][frame]
   std::vector<PatchId> refused_first_;  ///< all patches, those that refused lately in front

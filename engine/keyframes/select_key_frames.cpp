@@ -13,6 +13,9 @@ namespace {
 
 using Frames = std::vector<FrameIndex>;
 
+/// Of a round; the rest is the search. Progress only.
+constexpr double kTracingShare = 0.9;
+
 bool contains(const Frames& frames, FrameIndex frame) {
   return std::binary_search(frames.begin(), frames.end(), frame);
 }
@@ -31,18 +34,16 @@ Frames forced_keys(const Animation& animation, const Estimate& estimate) {
 /// Search by linear interpolation on what the estimate has.
 class Search {
  public:
-  Search(const Estimator& estimator, const api::LightingOptions& options, const Frames& forced,
-         const Progress& progress)
+  Search(const Estimator& estimator, const api::LightingOptions& options, const Frames& forced)
       : error_(estimator.lit(), estimator.estimate(), options.interpolated),
         options_(options),
-        forced_(forced),
-        progress_(progress) {}
+        forced_(forced) {}
 
-  api::Result<Frames> keys(Evidence evidence) {
+  api::Result<Frames> keys(Evidence evidence, const Progress& progress) {
     return fewest_key_frames(
         error_.frame_count(),
         [&](FrameIndex a, FrameIndex b) { return error_.within(a, b, kAim * options_.tolerance, evidence); },
-        forced_, progress_);
+        forced_, progress);
   }
 
   std::vector<double> errors(const Frames& keys) const {
@@ -53,7 +54,6 @@ class Search {
   InterpolationError error_;
   const api::LightingOptions& options_;
   const Frames& forced_;
-  const Progress& progress_;
 };
 
 /// Adds the worst frame of every interval in which the interpolation that is used is worse than the linear
@@ -73,21 +73,42 @@ Frames recheck(const Search& search, double tolerance, Frames keys) {
   }
 }
 
+/// Does noise leave the number of keys open?
+bool is_open(const Frames& many, const Frames& keys, const Frames& few) {
+  const std::size_t open = std::max(many.size() - std::min(many.size(), keys.size()),
+                                    keys.size() - std::min(few.size(), keys.size()));
+  return open > std::max<std::size_t>(1, keys.size() / 10);
+}
+
+/// Of the first round; those of all rounds so far double from round to round.
+std::uint64_t first_lines(const api::LightingOptions& options) {
+  return std::max<std::uint64_t>(1, options.estimate_line_count / kEstimateReplicates) * kEstimateReplicates;
+}
+
+/// Of the lines of all rounds, and of what else it takes to search on them.
+double share_of(double lines, const api::LightingOptions& options) {
+  const std::uint64_t rounds = options.mode == api::LightingMode::standard ? kEstimateRounds : 0;
+  return lines / static_cast<double>(first_lines(options) << rounds);
+}
+
 api::Result<KeyFrames> by_interpolation_error(Estimator& estimator, const api::LightingOptions& options,
                                               const Progress& progress) {
   const Frames forced = forced_keys(estimator.lit().animation, estimator.estimate());
   for (int round = 0;; ++round) {
-    const std::uint64_t have = estimator.estimate().line_count;
-    const Progress part = part_of(progress, 1 - 1.0 / (1 << round), 1 - 1.0 / (2 << round));
-    if (const auto s = estimator.add_lines(have > 0 ? have : options.estimate_line_count, part); !s)
+    const std::uint64_t lines = first_lines(options) << round;
+    if (estimator.is_beyond(lines)) continue;  // an earlier run searched on these, and they left it open
+    const double before = share_of(estimator.lines_done(), options);
+    const double after = share_of(static_cast<double>(lines), options);
+    const double traced = before + kTracingShare * (after - before);
+    if (const auto s = estimator.add_lines_up_to(lines, part_of(progress, before, traced)); !s)
       return s.error();
-    Search search(estimator, options, forced, part);
-    const auto many = search.keys(Evidence::surely), few = search.keys(Evidence::hardly);
-    auto keys = search.keys(Evidence::likely);
+    const auto searching = [&](int k) { return traced + (after - traced) * k / 3.0; };
+    Search search(estimator, options, forced);
+    const auto many = search.keys(Evidence::surely, part_of(progress, searching(0), searching(1)));
+    const auto few = search.keys(Evidence::hardly, part_of(progress, searching(1), searching(2)));
+    auto keys = search.keys(Evidence::likely, part_of(progress, searching(2), searching(3)));
     if (!many || !few || !keys) return api::Error{api::Fault::stopped, "stopped while choosing key-frames"};
-    const std::size_t open = std::max(many->size() - std::min(many->size(), keys->size()),
-                                      keys->size() - std::min(few->size(), keys->size()));
-    if (open > std::max<std::size_t>(1, keys->size() / 10) && round < kEstimateRounds) continue;
+    if (is_open(*many, *keys, *few) && round < kEstimateRounds) continue;
     KeyFrames chosen;
     chosen.keys = recheck(search, kAim * options.tolerance, std::move(*keys));
     chosen.checks = checks_of(chosen.keys);
@@ -133,11 +154,18 @@ KeyFrames all_frames(std::uint32_t frame_count) {
   return chosen;
 }
 
+double share_of_selection(const Estimator& estimator, const api::LightingOptions& options) {
+  return share_of(estimator.lines_done(), options);
+}
+
 api::Result<KeyFrames> select_key_frames(Estimator& estimator, const api::LightingOptions& options,
                                          const Progress& progress) {
   if (options.mode == api::LightingMode::standard)
     return by_interpolation_error(estimator, options, progress);
-  if (const auto s = estimator.add_lines(options.estimate_line_count, progress); !s) return s.error();
+  if (const auto s = estimator.add_lines_up_to(first_lines(options),
+                                               part_of(progress, share_of_selection(estimator, options), 1));
+      !s)
+    return s.error();
   const LastKey last = options.mode == api::LightingMode::paper_literal ? LastKey::lost : LastKey::marked;
   KeyFrames chosen;
   chosen.keys = table1_key_frames(estimator.lit(), estimator.estimate().radiosity_w_m2, options.metric,

@@ -18,15 +18,19 @@ struct KeyFrames {
 /// Modes `reference` and `frame-by-frame`: every frame; no estimate is needed.
 KeyFrames all_frames(std::uint32_t frame_count);
 
-/// The other modes, on an estimate that has no lines yet: Table 1 on total radiosity, or the fewest keys
-/// whose interpolation stays within the tolerance. In the latter mode lines are added, doubling them up to
-/// kEstimateRounds times, while the noise of the estimate leaves the number of keys open: while the keys that
-/// are surely enough, or those that are hardly enough, are more than one and a tenth off those by the mean of
-/// the replicates, which decides then. Forced: the pairs of frames at jumps (jumps.h), and every
-/// kIntervalMax-th frame. Error: stopped.
+/// The other modes, on an estimate without lines, or with those that a run of the same job had added to it
+/// when it was cut off: Table 1 on total radiosity, or the fewest keys whose interpolation stays within the
+/// tolerance. In the latter mode lines are added, doubling them up to kEstimateRounds times, while the noise
+/// of the estimate leaves the number of keys open: while the keys that are surely enough, or those that are
+/// hardly enough, are more than one and a tenth off those by the mean of the replicates, which decides then.
+/// Forced: the pairs of frames at jumps (jumps.h), and every kIntervalMax-th frame. Error: stopped.
 api::Result<KeyFrames> select_key_frames(Estimator& estimator, const api::LightingOptions& options,
                                          const Progress& progress);
 inline constexpr int kEstimateRounds = 3;
+
+/// How far select_key_frames is with what `estimator` has, 0 .. 1: its share of the lines that it may come
+/// to.
+double share_of_selection(const Estimator& estimator, const api::LightingOptions& options);
 
 /// The search keeps to this share of the tolerance: fine patches miss by more than the estimate's, which are
 /// means over metres.

@@ -9,6 +9,9 @@
 
 namespace engine {
 
+/// Lines of one replicate at most: bounds the memory that lines take, whatever their number.
+inline constexpr std::uint64_t kLinesPerReplicateMax = 4'000'000;
+
 /// What was done, and what could not be done; over all lines of a job.
 struct SolveCounts {
   TracingCounts tracing;        ///< static_hits: of the scene at rest; the rest of lines that see motion

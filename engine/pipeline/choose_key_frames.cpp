@@ -27,16 +27,21 @@ api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const std::vector<
     count_lines();
     return saved;
   }
+  const EstimateCheckpoints kept{&checkpoints, [&](double share) { clock.go_on_from(share, "resumed"); }};
   auto estimator = Estimator::begin(lit.scene, lit.animation, lit.static_rays, groups, options,
-                                    clock.begin(api::Stage::estimate));
+                                    clock.begin(api::Stage::estimate), kept);
   if (!estimator) return estimator.error();
-  auto chosen = select_key_frames(*estimator, options, clock.begin(api::Stage::keyframes));
+  const Progress& progress = clock.begin(api::Stage::keyframes);
+  if (const double share = share_of_selection(*estimator, options); share > 0)
+    clock.go_on_from(share, "resumed");
+  auto chosen = select_key_frames(*estimator, options, progress);
   if (!chosen) return chosen.error();
   lines = estimator->estimate().line_count;
   count_lines();
-  (void)checkpoints.save("key-frames",
-                         {part_of_checkpoint(chosen->keys), part_of_checkpoint(chosen->checks),
-                          part_of_checkpoint(chosen->predicted_error), part_of_checkpoint(lines)});
+  if (checkpoints.save("key-frames",
+                       {part_of_checkpoint(chosen->keys), part_of_checkpoint(chosen->checks),
+                        part_of_checkpoint(chosen->predicted_error), part_of_checkpoint(lines)}))
+    Estimator::forget(checkpoints);
   return chosen;
 }
 

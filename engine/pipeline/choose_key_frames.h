@@ -11,8 +11,9 @@
 
 namespace engine {
 
-/// The frames that mode `options.mode` solves. Adds the lines of the estimate to `report`, and goes on from what
-/// an earlier run left in `checkpoints`. Errors: stopped; of the estimate's mesh as Estimator::begin says.
+/// The frames that mode `options.mode` solves. Adds the lines of the estimate to `report`, and goes on from
+/// what an earlier run left in `checkpoints`. Errors: stopped; of the estimate's mesh as Estimator::begin
+/// says.
 api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const std::vector<LightGroup>& groups,
                                          const api::LightingOptions& options, Checkpoints& checkpoints,
                                          StageClock& clock, api::JobReport& report);

@@ -15,9 +15,6 @@
 
 namespace engine {
 
-/// Lines of one replicate at most: bounds the memory that lines take, whatever their number.
-inline constexpr std::uint64_t kLinesPerReplicateMax = 4'000'000;
-
 /// Replicates that a job begins with: kReplicatesMin, and no fewer than its lines need. The same in every
 /// mode and whatever becomes of their scatter, so that all modes share their lines.
 std::uint32_t replicates_of(const api::LightingOptions& options);

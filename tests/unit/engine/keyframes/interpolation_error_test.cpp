@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "engine/interpolate/interpolate.h"
 #include "tests/unit/engine/keyframes/hand_made.h"
@@ -19,18 +20,23 @@ using tests::series;
 using tests::Squares;
 using Knots = std::vector<FrameIndex>;
 
-/// Of B itself, without noise.
-InterpolationError of_total(const tests::World& world, const PatchSeries& radiosity) {
-  return {world.lit(),
-          estimate_of(world, radiosity, [&](auto, auto p, auto f) { return radiosity.at(p, f).g; }),
-          Interpolated::total};
-}
+/// An estimate and what is said of it.
+struct Judged {
+  const Estimate estimate;
+  InterpolationError error;
+
+  Judged(const tests::World& world, Estimate from)
+      : estimate(std::move(from)), error(world.lit(), estimate, Interpolated::total) {}
+  Judged(const Judged&) = delete;
+};
 
 // B = 2 everywhere but 3 in frame 1 of patch 0: |B^ - B| = 1 over B = 3; half the mean (about 1) is less.
 TEST(InterpolationError, IsRelativeToTheRadiosityOfPatchAndFrame) {
   const Squares world(2, 5);
   const auto radiosity = series(2, 5, [](auto p, auto f) { return p == 0 && f == 1 ? 3.0f : 2.0f; });
-  InterpolationError error = of_total(world, radiosity);
+  Judged of_total(world,
+                  estimate_of(world, radiosity, [&](auto, auto p, auto f) { return radiosity.at(p, f).g; }));
+  InterpolationError& error = of_total.error;
   const auto errors = error.largest(Knots{0, 4}, Interpolation::linear);
   EXPECT_EQ(errors[0], 0);
   EXPECT_NEAR(errors[1], 1.0 / 3, 1e-6);
@@ -45,10 +51,9 @@ TEST(InterpolationError, IsRelativeToTheRadiosityOfPatchAndFrame) {
 TEST(InterpolationError, OfADarkPatchIsRelativeToHalfTheMean) {
   const Squares world(2, 3);
   const auto radiosity = series(2, 3, [](auto p, auto) { return p == 0 ? 4.0f : 0.0f; });
-  const InterpolationError error(
-      world.lit(),
-      estimate_of(world, radiosity, [](auto, auto p, auto f) { return p == 1 && f == 1 ? 0.25f : 0.0f; }),
-      Interpolated::total);
+  const Estimate estimate =
+      estimate_of(world, radiosity, [](auto, auto p, auto f) { return p == 1 && f == 1 ? 0.25f : 0.0f; });
+  const InterpolationError error(world.lit(), estimate, Interpolated::total);
   EXPECT_NEAR(error.largest(Knots{0, 2}, Interpolation::linear)[1], 0.25, 1e-6);
 }
 
@@ -57,7 +62,7 @@ TEST(InterpolationError, TheLargestChannelCounts) {
   PatchSeries radiosity(1, 3);
   for (FrameIndex f = 0; f < 3; ++f) radiosity.at(0, f) = {1, 0.1f, 2};
   Estimate estimate = estimate_of(world, radiosity, [](auto, auto, auto) { return 0.0f; });
-  for (PatchSeries& replicate : estimate.interpolated[0]) replicate.at(0, 1) = {0.1f, -0.5f, 0.2f};
+  tests::set_all(estimate, 0, 1, 0, {0.1f, -0.5f, 0.2f});
   const InterpolationError error(world.lit(), estimate, Interpolated::total);
   EXPECT_NEAR(error.largest(Knots{0, 2}, Interpolation::linear)[1], 0.25, 1e-6);
 }
@@ -71,10 +76,9 @@ TEST(InterpolationError, PatchesThatEmitDoNotCountInTheMean) {
   animation.emission.exitance_w_m2[1] = {{}, {1000, 0, 0}, {}};
   const tests::World world(scene, animation, 1.0);
   const auto radiosity = series(2, 3, [](auto p, auto) { return p == 0 ? 1000.0f : 2.0f; });
-  const InterpolationError error(
-      world.lit(),
-      estimate_of(world, radiosity, [](auto, auto p, auto f) { return p == 1 && f == 1 ? 1.0f : 0.0f; }),
-      Interpolated::total);
+  const Estimate estimate =
+      estimate_of(world, radiosity, [](auto, auto p, auto f) { return p == 1 && f == 1 ? 1.0f : 0.0f; });
+  const InterpolationError error(world.lit(), estimate, Interpolated::total);
   EXPECT_NEAR(error.largest(Knots{0, 2}, Interpolation::linear)[1], 0.5, 1e-6);
 }
 
@@ -100,21 +104,23 @@ TEST(InterpolationError, OfIndirectLightIsReflectedAndScaledInTheFrameItself) {
 TEST(InterpolationError, GroupsOfLightsAreAddedBeforeTheyAreJudged) {
   const Squares world(1, 3);
   const auto radiosity = series(1, 3, [](auto, auto) { return 1.0f; });
-  const auto bump = [](auto, auto, auto f) { return f == 1 ? 3.0f : 1.0f; };
-  Estimate estimate = estimate_of(world, radiosity, bump);
+  Estimate estimate = estimate_of(world, radiosity, [](auto, auto, auto) { return 0.0f; });
   estimate.groups.push_back(estimate.groups[0]);
-  estimate.interpolated.push_back(estimate.interpolated[0]);
+  estimate.interpolated = ReplicateSeries(1, 3, 2);
+  for (const std::uint32_t group : {0u, 1u})
+    for (FrameIndex f = 0; f < 3; ++f)
+      tests::set_all(estimate, 0, f, group, Rgb{1, 1, 1} * (f == 1 ? 3.0f : 1.0f));
   InterpolationError twice(world.lit(), estimate, Interpolated::indirect);
   EXPECT_NEAR(twice.largest(Knots{0, 2}, Interpolation::linear)[1], 2, 1e-6);
   EXPECT_FALSE(twice.within(0, 2, 1.99, Evidence::likely));
-  for (PatchSeries& replicate : estimate.interpolated[1]) replicate.at(0, 1) = {-1, -1, -1};
+  tests::set_all(estimate, 0, 1, 1, {-1, -1, -1});
   InterpolationError none(world.lit(), estimate, Interpolated::indirect);
   EXPECT_NEAR(none.largest(Knots{0, 2}, Interpolation::linear)[1], 0, 1e-6);
   EXPECT_TRUE(none.within(0, 2, 1e-6, Evidence::surely));
 }
 
 /// Waves with noise of this standard deviation in every replicate, patch and frame.
-InterpolationError noisy_waves(const tests::World& world, float noise, unsigned seed) {
+Estimate noisy_waves(const tests::World& world, float noise, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal(0, 1);
   const std::uint32_t frames = world.animation.frame_count;
@@ -122,15 +128,14 @@ InterpolationError noisy_waves(const tests::World& world, float noise, unsigned 
     return 2 + 0.3f * std::sin(0.3f * static_cast<float>(f) * static_cast<float>(p + 1));
   };
   const auto radiosity = series(world.patches.count(), frames, wave);
-  return {world.lit(),
-          estimate_of(world, radiosity,
-                      [&](auto, auto p, auto f) { return wave(p, f) + noise * normal(random); }),
-          Interpolated::total};
+  return estimate_of(world, radiosity,
+                     [&](auto, auto p, auto f) { return wave(p, f) + noise * normal(random); });
 }
 
 TEST(InterpolationError, WithinIsLargestAgainstTheTolerance) {
   const Squares world(5, 30);
-  InterpolationError error = noisy_waves(world, 0, 1);
+  Judged waves(world, noisy_waves(world, 0, 1));
+  InterpolationError& error = waves.error;
   for (FrameIndex a = 0; a < 29; ++a)
     for (FrameIndex b = a + 1; b < 30; ++b) {
       Knots knots{a, b};
@@ -147,7 +152,8 @@ TEST(InterpolationError, WithinIsLargestAgainstTheTolerance) {
 
 TEST(InterpolationError, WhatIsSurelyWithinIsLikelyAndWhatIsLikelyIsHardlyDenied) {
   const Squares world(3, 20);
-  InterpolationError error = noisy_waves(world, 0.05f, 2);
+  Judged waves(world, noisy_waves(world, 0.05f, 2));
+  InterpolationError& error = waves.error;
   std::array<int, 3> held{};
   for (FrameIndex a = 0; a < 19; ++a)
     for (FrameIndex b = a + 1; b < 20; ++b)
@@ -173,9 +179,9 @@ TEST(InterpolationError, PureNoiseHardlyMissesAnything) {
   std::mt19937 random(4);
   std::normal_distribution<float> normal(0, 0.1f);
   const auto radiosity = series(8, 10, [](auto, auto) { return 1.0f; });
-  InterpolationError error(
-      world.lit(), estimate_of(world, radiosity, [&](auto, auto, auto) { return 1 + normal(random); }),
-      Interpolated::total);
+  const Estimate estimate =
+      estimate_of(world, radiosity, [&](auto, auto, auto) { return 1 + normal(random); });
+  InterpolationError error(world.lit(), estimate, Interpolated::total);
   EXPECT_TRUE(error.within(0, 9, 0.001, Evidence::hardly));
   EXPECT_FALSE(error.within(0, 9, 0.02, Evidence::likely));
   EXPECT_FALSE(error.within(0, 9, 0.1, Evidence::surely));
@@ -185,17 +191,16 @@ TEST(InterpolationError, PureNoiseHardlyMissesAnything) {
 TEST(InterpolationError, NoiseThatIsCommonToAllFramesIsNone) {
   const Squares world(2, 10);
   const auto radiosity = series(2, 10, [](auto, auto) { return 1.0f; });
-  InterpolationError error(
-      world.lit(),
-      estimate_of(world, radiosity,
-                  [](auto r, auto p, auto) { return 1 + 0.25f * static_cast<float>(r + p); }),
-      Interpolated::total);
+  const Estimate estimate = estimate_of(
+      world, radiosity, [](auto r, auto p, auto) { return 1 + 0.25f * static_cast<float>(r + p); });
+  InterpolationError error(world.lit(), estimate, Interpolated::total);
   EXPECT_TRUE(error.within(0, 9, 1e-5, Evidence::surely));
 }
 
 TEST(InterpolationError, OfACubicIsThatOfTheCubic) {
   const Squares world(3, 20);
-  const InterpolationError error = noisy_waves(world, 0, 1);
+  const Judged waves(world, noisy_waves(world, 0, 1));
+  const InterpolationError& error = waves.error;
   const Knots knots{0, 4, 8, 13, 19};
   const auto radiosity = series(3, 20, [](auto p, auto f) {
     return 2 + 0.3f * std::sin(0.3f * static_cast<float>(f) * static_cast<float>(p + 1));
@@ -216,7 +221,8 @@ TEST(InterpolationError, OfACubicIsThatOfTheCubic) {
 
 TEST(InterpolationError, ASceneWithoutLightHasNone) {
   const Squares world(1, 3);
-  InterpolationError error = of_total(world, PatchSeries(1, 3));
+  const Estimate estimate = estimate_of(world, PatchSeries(1, 3), [](auto, auto, auto) { return 0.0f; });
+  InterpolationError error(world.lit(), estimate, Interpolated::total);
   EXPECT_EQ(error.largest(Knots{0, 2}, Interpolation::linear)[1], 0);
   EXPECT_TRUE(error.within(0, 2, 1e-9, Evidence::surely));
 }
