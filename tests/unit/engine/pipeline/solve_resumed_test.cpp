@@ -24,21 +24,28 @@ struct Attempt {
   api::Result<Solution> solution;
   long asked = 0;        ///< how often it asked whether to stop
   long asked_early = 0;  ///< of these, before direct light or the solution: nothing is kept of that
+  double began_at = -1;  ///< share of the solution that was done when it began
 };
 
 /// One attempt that is told to stop when it asks for the `stop_at`th time; 0: never.
 Attempt attempt(const LitScene& lit, const api::LightingOptions& options,
                 const tests::TemporaryFolder& folder, long stop_at) {
   std::atomic<long> asked = 0, asked_early = -1;
+  double began_at = -1, last = 0;
   RunHooks hooks;
   hooks.stop_requested = [&] { return ++asked >= stop_at && stop_at > 0; };
   hooks.progress = [&](const api::ProgressLine& line) {
     const bool after_estimate = line.stage == api::Stage::direct || line.stage == api::Stage::solve;
     if (after_estimate && asked_early < 0) asked_early = asked.load();
+    if (line.stage != api::Stage::solve) return;
+    // The stage begins at 0, and goes on from where it was in the next line.
+    if (began_at < 0 && line.stage_fraction > 0) began_at = line.stage_fraction;
+    EXPECT_GE(line.stage_fraction, last);
+    last = line.stage_fraction;
   };
   Checkpoints checkpoints = checkpoints_in(folder);
   auto solution = tests::try_to_solve(lit, options, checkpoints, hooks);
-  return {std::move(solution), asked, asked_early};
+  return {std::move(solution), asked, asked_early, began_at};
 }
 
 void expect_same(const Solution& a, const Solution& b) {
@@ -102,6 +109,21 @@ TEST(SolveSequenceResumed, GivesTheSameBytesWhereATargetErrorAddsPassesAndLines)
 TEST(SolveSequenceResumed, GivesTheSameBytesWhereEveryFrameIsSolvedAlone) {
   const tests::BlinkingRoom room(12);
   expect_same_when_resumed(room.lit(), quick_options(api::LightingMode::frame_by_frame));
+}
+
+// What is saved depends on how long saving takes; what is left to do is that much less.
+TEST(SolveSequenceResumed, ProgressOfFramesSolvedAloneBeginsWithWhatIsDone) {
+  const tests::BlinkingRoom room(12);
+  const auto options = quick_options(api::LightingMode::frame_by_frame);
+  const tests::TemporaryFolder undisturbed, folder;
+  const Attempt whole = attempt(room.lit(), options, undisturbed, 0);
+  EXPECT_LT(whole.began_at, 1.0 / 12);
+  EXPECT_FALSE(attempt(room.lit(), options, folder, whole.asked / 2).solution);
+  const Attempt second = attempt(room.lit(), options, folder, 0);
+  ASSERT_TRUE(second.solution);
+  EXPECT_GT(second.began_at, 0.9 / 12);
+  EXPECT_NEAR(static_cast<double>(second.asked) / static_cast<double>(whole.asked), 1 - second.began_at,
+              0.05);
 }
 
 TEST(SolveSequenceResumed, GivesTheSameBytesInThePapersMode) {
