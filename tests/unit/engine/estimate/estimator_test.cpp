@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -236,6 +237,19 @@ TEST(Estimator, LinesThatAreThereAreNotAddedAgain) {
   const auto before = estimator.estimate().interpolated.values;
   ASSERT_TRUE(estimator.add_lines_up_to(800, {}));
   EXPECT_EQ(estimator.estimate().interpolated.values, before);
+}
+
+TEST(Estimator, LinesThatAreAddedAreOthersThanThoseBefore) {
+  const LitRoom room(2);
+  const auto options = options_with(api::DirectLight::pure, api::Interpolated::total);
+  Estimator estimator = begin(room, options);
+  ASSERT_TRUE(estimator.add_lines_up_to(1'600, {}));
+  const auto once = estimator.estimate().interpolated.values;
+  ASSERT_TRUE(estimator.add_lines_up_to(3'200, {}));
+  std::size_t other = 0;
+  for (std::size_t k = 0; k < once.size(); ++k)
+    other += std::abs(once[k].g - estimator.estimate().interpolated.values[k].g) > 0.01f ? 1 : 0;
+  EXPECT_GT(other, once.size() / 4);
 }
 
 TEST(Estimator, ManyLinesAreTracedInEvenPartsThatFitIntoMemory) {
