@@ -82,6 +82,23 @@ class Killed(ServiceTestCase):
         self.expect_the_same_bytes(service, job_id)
 
 
+class DoneAlready(ServiceTestCase):
+    def test_a_job_that_was_done_when_the_server_was_killed_is_not_rendered_twice(self):
+        service = self.service()
+        job_id = self.submitted(service, write_job(self.folder / "job", frames=4))
+        wait_until(service.worker_pids, 20, "a worker runs the job")
+        service.process.send_signal(signal.SIGSTOP)  # so that it cannot record the end
+        folder = service.job_folder(job_id)
+        wait_until(lambda: not service.worker_pids() and (folder / "report.json").exists(), 120, "the worker is done")
+        made, told = hashes_of(folder / "artefacts"), (folder / "progress.ndjson").read_bytes()
+        service.kill()
+        service.start()
+        self.assertEqual(service.wait_for(job_id, ["succeeded"], 60)["attempt"], 2)
+        self.assertEqual((folder / "progress.ndjson").read_bytes(), told)
+        self.assertEqual(hashes_of(folder / "artefacts"), made)
+        self.assertIn("already rendered", service.get(f"/v1/jobs/{job_id}/log").body.decode())
+
+
 def count_of(report, name):
     return sum(count["value"] for count in report["counts"] if count["name"] == name)
 
@@ -142,7 +159,7 @@ class GoesOn(unittest.TestCase):
                 self.assertFalse((job / "artefacts/manifest.json").exists())
                 self.finish(job)
                 resumed = [line for line in self.lines_after(job, end)
-                           if (line["stage"], line["message"]) == ("solve", "resumed")]
+                           if line["stage"] == "solve" and line["message"].startswith("resumed, from ")]
                 self.assertTrue(resumed, "it went on in the solve")
                 self.assertGreater(resumed[0]["stage_fraction"], 0.1, "not from its beginning")
                 self.assertEqual(hashes_of(job / "artefacts"), expected)
