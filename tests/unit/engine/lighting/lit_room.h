@@ -1,7 +1,6 @@
 // The moving room, lit, for the tests of the solvers.
 #pragma once
 
-
 #include "engine/lighting/light_at_rest.h"
 #include "engine/lighting/solve_difference.h"
 #include "tests/unit/engine/moving_room.h"
