@@ -55,7 +55,7 @@ StageClock::Evidence StageClock::evidence_here() const {
 
 double StageClock::seconds_left() const {
   const Evidence here = evidence_here();
-  const double weight_s = weights_s_ + here.weight_s + work_left();
+  const double weight_s = weights_s_ + here.weight_s + kTrust * work_left();
   const double pace = weight_s > 0 ? std::exp((logs_ + here.weight_s * here.log_pace) / weight_s) : 1.0;
   const double after_s = work_after() * pace;
   const double expected_s = expected_[static_cast<std::size_t>(stage_)];

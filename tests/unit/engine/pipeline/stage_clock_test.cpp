@@ -117,8 +117,8 @@ TEST(StageClock, TheTimeLeftFollowsTheMeasuredPace) {
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   progress.report(0.5);
   ASSERT_TRUE(run.lines.back().seconds_left);
-  // 0.5 (0.1 + 0.05 * 1000 q) / (0.5 + 0.05) s, where q = 1 / 1.002 (what took so short tells little).
-  EXPECT_NEAR(*run.lines.back().seconds_left, 45.5, 3);
+  // 0.5 (0.1 + 0.1 * 1000 q) / (0.5 + 0.1) s, where q = 0.986: what took so short tells little.
+  EXPECT_NEAR(*run.lines.back().seconds_left, 82, 5);
 }
 
 // The first stage takes no time, of 100 s expected; the second was expected to take as long.
@@ -129,7 +129,7 @@ TEST(StageClock, AStageThatWasOverAtOnceSaysLittleOfTheOthers) {
   run.clock->begin(Stage::estimate).report(1);
   run.clock->begin(Stage::solve);
   ASSERT_TRUE(run.lines.back().seconds_left);
-  EXPECT_GT(*run.lines.back().seconds_left, 90);
+  EXPECT_GT(*run.lines.back().seconds_left, 60);
 }
 
 // A stage of 0.1 s expected takes 1 s, and so does a tenth of the next, which was expected to take 1 s in
@@ -156,7 +156,7 @@ TEST(StageClock, AStageThatWasNotExpectedIsTimedByItsOwnPace) {
   EXPECT_LT(*run.lines.back().seconds_left, 0.1);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   progress.report(0.5);
-  EXPECT_GT(*run.lines.back().seconds_left, 0.4);
+  EXPECT_GT(*run.lines.back().seconds_left, 0.3);
 }
 
 TEST(StageClock, WhatAnEarlierAttemptDidIsProgressAndNoMeasureOfPace) {
