@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/direct/form_factor.h"
-
 namespace engine {
 namespace {
 
@@ -54,40 +52,29 @@ bool Arrivals::possible() const {
   return dot(normal, light_.position - receiver_.placed.origin) > 0;
 }
 
-Arrival Arrivals::draw(const Draw& numbers) const {
-  const Vec3 on_patch = receiver_.at(numbers.on_patch_a, numbers.on_patch_b);
-  return light_.source ? from_source(on_patch) : from_facet(on_patch, numbers);
-}
-
-Arrival Arrivals::from_facet(Vec3 on_patch, const Draw& numbers) const {
-  const PlacedLight& light = light_.facet;
-  const Vec3 normal = receiver_.placed.normal;
-  if (dot(light.placed.normal, on_patch - light.placed.origin) <= 0) return {};  // behind the light
-  const float factor = point_to_polygon_form_factor(on_patch, normal, light.polygon());
-  if (factor <= 0) return {};
-  const Vec3 on_light =
-      sample_light(light, on_patch, normal, numbers.on_light_a, numbers.on_light_b, numbers.piece);
-  const Vec3 start = on_patch + off_patch_, end = on_light + off_light_;
-  return {factor, {start, end - start, 0.0f, 1.0f}};
-}
-
-Arrival Arrivals::from_source(Vec3 on_patch) const {
+float Arrivals::source_factor(Vec3 on_patch) const {
   const SourceMotion& source = *light_.source;
   const Vec3 normal = receiver_.placed.normal;
-  const Vec3 start = on_patch + off_patch_;
-  if (source.type == api::LightType::directional) {
-    const float cosine = -dot(normal, light_.direction);
-    if (cosine <= 0) return {};
-    return {cosine, {start, -reach_m_ * light_.direction, 0.0f, 1.0f}};
-  }
+  if (source.type == api::LightType::directional) return std::max(0.0f, -dot(normal, light_.direction));
   const Vec3 apart = light_.position - on_patch;
   const float height = dot(normal, apart), squared = dot(apart, apart);
-  if (height <= 0) return {};
-  const float distance = std::sqrt(squared);
-  float factor = height / (squared * distance);
-  if (source.type == api::LightType::spot)
-    factor *= spot_share(source, -dot(light_.direction, apart) / distance);
-  return {factor, {start, light_.position - start, 0.0f, std::max(0.5f, 1.0f - gap_m_ / distance)}};
+  if (height <= 0) return 0;
+  const float distance = std::sqrt(squared), factor = height / (squared * distance);
+  if (source.type == api::LightType::point) return factor;
+  return factor * spot_share(source, -dot(light_.direction, apart) / distance);
+}
+
+Ray Arrivals::shadow(Vec3 on_patch, const LightDraw& numbers) const {
+  const Vec3 start = on_patch + off_patch_;
+  if (!light_.source) {
+    const Vec3 on_light =
+        sample_light(light_.facet, on_patch, receiver_.placed.normal, numbers.a, numbers.b, numbers.piece);
+    return {start, on_light + off_light_ - start, 0.0f, 1.0f};
+  }
+  if (light_.source->type == api::LightType::directional)
+    return {start, -reach_m_ * light_.direction, 0.0f, 1.0f};
+  const float distance = length(light_.position - on_patch);
+  return {start, light_.position - start, 0.0f, std::max(0.5f, 1.0f - gap_m_ / distance)};
 }
 
 }  // namespace engine

@@ -5,17 +5,9 @@
 
 namespace engine {
 
-/// Numbers that choose the points of one shadow ray, each uniform in [0, 1).
-struct Draw {
-  float on_patch_a = 0, on_patch_b = 0;
-  float on_light_a = 0, on_light_b = 0;
-  float piece = 0;  ///< of the light, see sample_light
-};
-
-/// Without occluders; times the light's brightness it is irradiance.
-struct Arrival {
-  float factor = 0;  ///< facets, directional [-]; point, spot [1/m^2]; 0: there is no ray
-  Ray shadow;        ///< from 0 to 1, a hair off the surfaces at its ends
+/// Numbers that choose the point of a light, each uniform in [0, 1); see sample_light.
+struct LightDraw {
+  float a = 0, b = 0, piece = 0;
 };
 
 /// The largest share of a spot's intensity that reaches any point of a ball whose middle is at `apart` from
@@ -24,7 +16,11 @@ float largest_spot_share(const SourceMotion& spot, Vec3 direction, Vec3 apart, f
 
 /// Points of a patch against one light. The patch and the light outlive it.
 ///
-///     facet         F(x), the closed form factor; the ray ends at a point of it (sample_light)
+/// Without occluders, times the light's brightness it is irradiance; facets, directional [-], point, spot
+/// [1/m^2]:
+///
+///     facet         F(x), the closed form factor (PolygonOverPlane); the ray ends at a point of it
+///                   (sample_light)
 ///     point         cos / r^2
 ///     spot          cos / r^2  (3 t^2 - 2 t^3),  t = (c - c_outer) / (c_inner - c_outer), held to 0 .. 1
 ///     directional   cos; the ray is `reach_m` long
@@ -38,12 +34,12 @@ class Arrivals {
 
   /// False where no point of the patch's facet can get any.
   bool possible() const;
-  Arrival draw(const Draw& numbers) const;
+  /// Of a light without surface; 0 where none of it can arrive.
+  float source_factor(Vec3 on_patch) const;
+  /// From 0 to 1, a hair off the surfaces at its ends. `on_patch`: a point that gets some of the light.
+  Ray shadow(Vec3 on_patch, const LightDraw& numbers) const;
 
  private:
-  Arrival from_facet(Vec3 on_patch, const Draw& numbers) const;
-  Arrival from_source(Vec3 on_patch) const;
-
   const Receiver& receiver_;
   const LightPose& light_;
   const float reach_m_,

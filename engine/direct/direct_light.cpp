@@ -9,7 +9,7 @@
 namespace engine {
 namespace {
 
-constexpr PatchId kPatchesPerTask = 4;  // one that moves takes as long as all its frames
+constexpr PatchId kPatchesPerTask = 8;  // one that moves takes as long as all its frames
 
 }  // namespace
 
@@ -20,6 +20,7 @@ struct DirectLighter::Impl {
   const StaticRays& static_rays;
   const std::span<const FrameIndex> frames;
   const DirectOptions options;
+  const StaticOccluders static_occluders;
   std::unique_ptr<const WindowLighter> only_window;  ///< where there is just one
 
   std::size_t windows() const {
@@ -29,8 +30,8 @@ struct DirectLighter::Impl {
   std::unique_ptr<const WindowLighter> make_window(std::size_t window) const {
     const std::size_t begin = window * kWindowMax;
     const auto part = frames.subspan(begin, std::min(kWindowMax, frames.size() - begin));
-    return std::make_unique<const WindowLighter>(patches, animation, emission, static_rays, part, options,
-                                                 window == 0);
+    return std::make_unique<const WindowLighter>(patches, animation, emission, static_rays, static_occluders,
+                                                 part, options, window == 0);
   }
 
   /// Into the columns of the window.
@@ -50,8 +51,8 @@ struct DirectLighter::Impl {
 DirectLighter::DirectLighter(const Patches& patches, const Animation& animation, const Emission& emission,
                              const StaticRays& static_rays, std::span<const FrameIndex> frames,
                              const DirectOptions& options) {
-  auto impl =
-      std::unique_ptr<Impl>(new Impl{patches, animation, emission, static_rays, frames, options, nullptr});
+  auto impl = std::unique_ptr<Impl>(
+      new Impl{patches, animation, emission, static_rays, frames, options, {patches, animation}, nullptr});
   if (impl->windows() == 1) impl->only_window = impl->make_window(0);
   impl_ = std::move(impl);
 }
@@ -74,7 +75,7 @@ api::Status DirectLighter::light(PatchId first, PatchId end, DirectLight& into,
   const std::size_t windows = impl_->windows();
   const auto slots = static_cast<std::uint32_t>(std::min(kWindowMax, impl_->frames.size()));
   std::atomic<std::size_t> done = 0;
-  std::atomic<std::uint64_t> rays = 0;
+  std::atomic<std::uint64_t> samples = 0, rays = 0;
   std::atomic<bool> stopped = false;
   for (std::size_t window = 0; window < windows && !stopped; ++window) {
     const auto made = impl_->only_window ? nullptr : impl_->make_window(window);
@@ -82,19 +83,22 @@ api::Status DirectLighter::light(PatchId first, PatchId end, DirectLight& into,
     parallel_for(tasks, [&](std::size_t task) {
       const PatchId from = first + static_cast<PatchId>(task) * kPatchesPerTask;
       PatchSums sums(std::max(1u, impl_->options.replicates), slots);
+      PatchLighter of_patch(lighter.window(), sums);
       for (PatchId patch = from; patch < std::min(from + kPatchesPerTask, end); ++patch) {
         if (stopped || progress.stop_requested()) {
           stopped = true;
           return;
         }
         sums.clear();
-        rays += lighter.light_patch(patch, sums);
+        lighter.light_patch(patch, of_patch);
         impl_->store(sums, patch, window, into);
       }
+      samples += of_patch.samples();
+      rays += of_patch.rays();
       progress.report(static_cast<double>(++done) / static_cast<double>(tasks * windows));
     });
   }
-  into.shadow_rays += rays;
+  into.counts += {samples, rays};
   if (stopped) return api::Error{api::Fault::stopped, "stopped while lighting directly"};
   return api::Done{};
 }

@@ -23,6 +23,18 @@ struct DirectOptions {
   std::uint64_t seed = 1;
 };
 
+/// What it took.
+struct DirectCounts {
+  std::uint64_t light_samples = 0;  ///< points of patches against lights, each once for all frames
+  std::uint64_t shadow_rays = 0;    ///< for those where something may have been in the way
+
+  DirectCounts& operator+=(const DirectCounts& more) {
+    light_samples += more.light_samples;
+    shadow_rays += more.shadow_rays;
+    return *this;
+  }
+};
+
 /// [patch][position in `frames`]
 struct DirectLight {
   PatchSeries irradiance_w_m2;  ///< mean of the replicates
@@ -33,7 +45,7 @@ struct DirectLight {
   /// at rest, each light as bright as in the mean of all frames of the animation; 0 for patches that move. It
   /// does not depend on `frames`.  [W/m^2]
   std::vector<Rgb> at_rest_w_m2;
-  std::uint64_t shadow_rays = 0;  ///< traced for it, each once for all frames that share it
+  DirectCounts counts;
 };
 
 /// Lights patches in each of `frames` (increasing; none: only what is at rest).
@@ -43,11 +55,12 @@ struct DirectLight {
 ///     H = E mean_s F(x_s) V(x_s, y_s)
 ///
 /// F is the closed form factor from x to the light; of a light without surface it is cos / r^2, or cos
-/// (arrival.h). V is a shadow ray, a hair off the surfaces at both ends (clearance_m); y is drawn in
-/// proportion to what it contributes (sample_light), so that H is right past any occluder and has no noise
-/// but that of x where nothing is hidden. Static surfaces answer once for all frames, moving ones with one
-/// query that says in which frames they block. The same points in every frame: what noise there is does not
-/// flicker. Patches of an object that is not there in a frame get 0.
+/// (arrival.h). V is a shadow ray, where anything may stand between the patch and the light (shaft.h), a hair
+/// off the surfaces at both ends (clearance_m); y is drawn in proportion to what it contributes
+/// (sample_light), so that H is right past any occluder and has no noise but that of x where nothing is
+/// hidden. Static surfaces answer once for all frames, moving ones with one query that says in which frames
+/// they block. The same points in every frame: what noise there is does not flicker. Patches of an object
+/// that is not there in a frame get 0.
 ///
 /// Where more than 32 lights can shine on a patch, those that matter most are sampled so, and the others
 /// share rays that are drawn among them: about twice the rays of 15 lights, for any number (light_choice.h).
@@ -66,7 +79,7 @@ class DirectLighter {
   /// Room for the result, all zero.
   DirectLight empty() const;
 
-  /// Lights patches [first, end) in all frames; writes only their rows, and adds to `shadow_rays`. What a
+  /// Lights patches [first, end) in all frames; writes only their rows, and adds to `counts`. What a
   /// patch gets does not depend on the range it is lit in. With more than kWindowMax frames every call builds
   /// the windows anew: worth it for calls that take seconds. One call at a time.
   /// Error: stopped; then the rows of the range are unfinished.

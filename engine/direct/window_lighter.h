@@ -3,9 +3,7 @@
 
 #include <memory>
 
-#include "engine/direct/arrival.h"
-#include "engine/direct/direct_light.h"
-#include "engine/direct/patch_sums.h"
+#include "engine/direct/patch_lighter.h"
 
 namespace engine {
 
@@ -14,25 +12,24 @@ class WindowLighter {
  public:
   /// `frames`: 0 .. kWindowMax. `with_rest`: also finds the light of the scene at rest.
   WindowLighter(const Patches& patches, const Animation& animation, const Emission& emission,
-                const StaticRays& static_rays, std::span<const FrameIndex> frames,
-                const DirectOptions& options, bool with_rest);
+                const StaticRays& static_rays, const StaticOccluders& static_occluders,
+                std::span<const FrameIndex> frames, const DirectOptions& options, bool with_rest);
+  WindowLighter(const WindowLighter&) = delete;
+  WindowLighter& operator=(const WindowLighter&) = delete;
 
-  /// Adds the irradiance of `patch` to `sums`. Answers the number of shadow rays.
-  std::uint64_t light_patch(PatchId patch, PatchSums& sums) const;
+  /// Adds the irradiance of `patch` to what `lighter` sums.
+  void light_patch(PatchId patch, PatchLighter& lighter) const;
+
+  const LightingWindow& window() const { return window_; }
 
  private:
-  class Work;
-  struct SampleSet;
-
   const Patches& patches_;
   const Animation& animation_;
-  const StaticRays& static_rays_;
   const std::span<const FrameIndex> frames_;
-  const DirectOptions options_;
-  const bool with_rest_;
-  const float reach_m_;
   const WindowLights lights_;
-  std::unique_ptr<const MovingRays> moving_rays_;  ///< null where there are no frames
+  const std::unique_ptr<const MovingRays> moving_rays_;  ///< null where there are no frames
+  const MovingOccluders moving_occluders_;
+  const LightingWindow window_;
 };
 
 }  // namespace engine

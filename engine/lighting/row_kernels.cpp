@@ -1,13 +1,6 @@
 #include "engine/lighting/row_kernels.h"
 
-// One binary for every x86-64: the widest version the machine has is chosen when the program starts. All of
-// them add in the same order, so they give the same bytes. Sanitizers cannot run code that early.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__) && !defined(__clang__)
-#define KEYLUME_WIDEST __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define KEYLUME_WIDEST
-#endif
+#include "engine/base/widest.h"
 
 namespace engine {
 

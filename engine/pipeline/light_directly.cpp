@@ -79,7 +79,7 @@ class DirectPass {
     (void)checkpoints_.save(
         name(g), {part_of_checkpoint(done), part_of_checkpoint(direct.irradiance_w_m2.values),
                   part_of_checkpoint(direct.variance.values), part_of_checkpoint(direct.at_rest_w_m2),
-                  part_of_checkpoint(direct.shadow_rays)});
+                  part_of_checkpoint(direct.counts)});
   }
 
   PatchId saved(std::size_t g, DirectLight& direct) {
@@ -88,7 +88,7 @@ class DirectPass {
     DirectLight found = direct;
     if (!checkpoint || !checkpoint->take(done) || !checkpoint->take(found.irradiance_w_m2.values) ||
         !checkpoint->take(found.variance.values) || !checkpoint->take(found.at_rest_w_m2) ||
-        !checkpoint->take(found.shadow_rays))
+        !checkpoint->take(found.counts))
       return 0;
     direct = std::move(found);
     has_saved_ = true;
@@ -118,7 +118,7 @@ void blend(const DirectLight& pass, std::uint32_t passes_before, DirectLight& me
         mean.variance.values[k] * (keep * keep) + pass.variance.values[k] * (share * share);
   for (std::size_t k = 0; k < mean.at_rest_w_m2.size(); ++k)
     mean.at_rest_w_m2[k] += (pass.at_rest_w_m2[k] - mean.at_rest_w_m2[k]) * share;
-  mean.shadow_rays += pass.shadow_rays;
+  mean.counts += pass.counts;
 }
 
 /// Passes that are done, of those that are needed as far as is known.
@@ -137,7 +137,7 @@ api::Status save_mean(Passes passes, const std::vector<LitGroup>& groups, Checkp
     parts.push_back(part_of_checkpoint(group.direct.irradiance_w_m2.values));
     parts.push_back(part_of_checkpoint(group.direct.variance.values));
     parts.push_back(part_of_checkpoint(group.direct.at_rest_w_m2));
-    parts.push_back(part_of_checkpoint(group.direct.shadow_rays));
+    parts.push_back(part_of_checkpoint(group.direct.counts));
   }
   return checkpoints.save(kMeanName, parts);
 }
@@ -151,7 +151,7 @@ Passes load_mean(const Checkpoints& checkpoints, PatchSeries room, std::vector<L
     DirectLight& direct = group.direct;
     direct.irradiance_w_m2 = direct.variance = room;
     if (!saved->take(direct.irradiance_w_m2.values) || !saved->take(direct.variance.values) ||
-        !saved->take(direct.at_rest_w_m2) || !saved->take(direct.shadow_rays))
+        !saved->take(direct.at_rest_w_m2) || !saved->take(direct.counts))
       return {};
   }
   return passes;

@@ -199,7 +199,7 @@ class Refiner {
                                  std::uint64_t stream, const Progress& progress) {
     auto lit = direct_light(patches, animation_, animation_.emission, static_rays_, frames,
                             {kRefineSamples, 1, stream_seed(lighting_.seed, stream)}, progress);
-    if (lit) shadow_rays_ += lit->shadow_rays;
+    if (lit) shadow_rays_ += lit->counts.shadow_rays;
     return lit;
   }
 

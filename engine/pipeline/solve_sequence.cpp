@@ -42,10 +42,11 @@ void add_counts(const KeyFrames& chosen, const SolveCounts& counts, api::JobRepo
   add("iterations", counts.iterations);
 }
 
-void add_shadow_rays(const std::vector<LitGroup>& groups, api::JobReport& report) {
-  double rays = 0;
-  for (const LitGroup& group : groups) rays += static_cast<double>(group.direct.shadow_rays);
-  report.counts.emplace_back("shadow_rays", rays);
+void add_direct_counts(const std::vector<LitGroup>& groups, api::JobReport& report) {
+  DirectCounts counts;
+  for (const LitGroup& group : groups) counts += group.direct.counts;
+  report.counts.emplace_back("light_samples", static_cast<double>(counts.light_samples));
+  report.counts.emplace_back("shadow_rays", static_cast<double>(counts.shadow_rays));
 }
 
 /// What a user should know of a solution that is there but poor.
@@ -201,7 +202,7 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   auto indirect = light_indirectly(lit, *lit_groups, options, *chosen, checkpoints, clock);
   if (!indirect) return indirect.error();
   add_counts(*chosen, indirect->counts, report);
-  add_shadow_rays(*lit_groups, report);
+  add_direct_counts(*lit_groups, report);
   warn(indirect->counts, report);
 
   clock.begin(api::Stage::interpolate);

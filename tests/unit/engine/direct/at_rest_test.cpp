@@ -97,8 +97,8 @@ TEST(DirectLighter, RangesOneAfterTheOtherGiveWhatAllPatchesGiveAtOnce) {
   EXPECT_EQ(parts.irradiance_w_m2.values, whole.irradiance_w_m2.values);
   EXPECT_EQ(parts.variance.values, whole.variance.values);
   EXPECT_EQ(parts.at_rest_w_m2, whole.at_rest_w_m2);
-  EXPECT_EQ(parts.shadow_rays, whole.shadow_rays);
-  EXPECT_GT(whole.shadow_rays, 0u);
+  EXPECT_EQ(parts.counts.light_samples, whole.counts.light_samples);
+  EXPECT_GT(whole.counts.light_samples, 0u);
 }
 
 TEST(DirectLighter, AnEmptyRangeIsNothing) {
@@ -108,7 +108,7 @@ TEST(DirectLighter, AnEmptyRangeIsNothing) {
                               frames, {});
   DirectLight lit = lighter.empty();
   ASSERT_TRUE(lighter.light(3, 3, lit, {}));
-  EXPECT_EQ(lit.shadow_rays, 0u);
+  EXPECT_EQ(lit.counts.light_samples, 0u);
 }
 
 // Few lights: each keeps its own rays whatever else shines, so parts add up but for rounding.
@@ -127,7 +127,7 @@ TEST(DirectLight, PartsOfTheEmissionAddUpToTheWhole) {
   }
   for (std::size_t p = 0; p < all.at_rest_w_m2.size(); ++p)
     EXPECT_NEAR(a.at_rest_w_m2[p].g + b.at_rest_w_m2[p].g, all.at_rest_w_m2[p].g, 1e-5) << p;
-  EXPECT_EQ(all.shadow_rays, a.shadow_rays + b.shadow_rays);
+  EXPECT_EQ(all.counts.light_samples, a.counts.light_samples + b.counts.light_samples);
 }
 
 }  // namespace

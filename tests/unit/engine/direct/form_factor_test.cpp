@@ -150,5 +150,32 @@ TEST(PointToPolygon, FormFactorsOfTheGarage) {
   EXPECT_NEAR(ceiling + 2 * long_wall + 2 * short_wall, 1, kRounding);
 }
 
+// Lambert's formula is known to some 1e-7 of each corner's angle in either way of computing it.
+TEST(PolygonOverPlane, AgreesWithPointsOneByOne) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  const auto point = [&] { return Vec3{uniform(random), uniform(random), uniform(random)}; };
+  for (int scene = 0; scene < 200; ++scene) {
+    const Vec3 origin = point(), s = normalized(point()), normal = normalized(cross(s, point()));
+    const Vec3 t = cross(normal, s), u = point(), v = point();
+    std::vector<Vec3> polygon = rectangle(origin + point(), u, v);
+    if (scene % 3 == 0) polygon.pop_back();
+    std::vector<float> x, y, z, factors(37);
+    for (std::size_t k = 0; k < factors.size(); ++k) {
+      const Vec3 at = origin + uniform(random) * s + uniform(random) * t;
+      x.push_back(at.x), y.push_back(at.y), z.push_back(at.z);
+    }
+    const Vec3 front = normalized(cross(u, v));
+    PolygonOverPlane(origin, normal, polygon, front)
+        .form_factors({x.data(), y.data(), z.data(), x.size()}, factors.data());
+    for (std::size_t k = 0; k < factors.size(); ++k) {
+      const Vec3 at{x[k], y[k], z[k]};
+      const bool behind = dot(front, at - polygon[0]) <= 0;
+      const float expected = behind ? 0.0f : point_to_polygon_form_factor(at, normal, polygon);
+      ASSERT_NEAR(factors[k], expected, 3e-6) << scene << " " << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace engine

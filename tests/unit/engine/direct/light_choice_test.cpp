@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "engine/direct/arrival.h"
+#include "engine/direct/form_factor.h"
 
 #include "tests/unit/engine/direct/light_ceiling.h"
 
@@ -80,13 +80,12 @@ TEST(ChooseLights, ProbabilitiesFollowTheUnoccludedLight) {
   std::vector<double> factors;
   double sum = 0;
   for (const DrawnLight& drawn : chosen.choice.drawn) {
-    const Arrivals arrivals(receiver, chosen.lights.lights[drawn.light].poses[0], 1);
+    const PlacedLight& light = chosen.lights.lights[drawn.light].poses[0].facet;
     double factor = 0;
     for (int k = 0; k < 16; ++k)
-      factor += arrivals
-                    .draw({(static_cast<float>(k % 4) + 0.5f) / 4, (static_cast<float>(k / 4) + 0.5f) / 4,
-                           0.5f, 0.5f, 0.5f})
-                    .factor /
+      factor += point_to_polygon_form_factor(receiver.at((static_cast<float>(k % 4) + 0.5f) / 4,
+                                                         (static_cast<float>(k / 4) + 0.5f) / 4),
+                                             receiver.placed.normal, light.polygon()) /
                 16;
     factors.push_back(factor);
     sum += factor;

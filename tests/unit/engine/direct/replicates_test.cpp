@@ -125,15 +125,15 @@ TEST(Replicates, OfOneNoVarianceIsKnown) {
   EXPECT_FALSE(lit.irradiance_w_m2.values.empty());
 }
 
-TEST(Replicates, DealOutTheSamplesAndHaveOneRayAtLeast) {
-  const World world = Penumbra{{9}, {0}}.world();  // nothing hidden: every sample is a ray
-  const auto rays = [&](std::uint32_t samples, std::uint32_t replicates) {
-    return light_directly(world, {0}, {samples, replicates, 1}).shadow_rays;
+TEST(Replicates, DealOutTheSamplesAndHaveOneAtLeast) {
+  const World world = Penumbra{{9}, {0}}.world();
+  const auto taken = [&](std::uint32_t samples, std::uint32_t replicates) {
+    return light_directly(world, {0}, {samples, replicates, 1}).counts.light_samples;
   };
-  EXPECT_EQ(rays(16, 1), 16u);
-  EXPECT_EQ(rays(16, 8), 16u);
-  EXPECT_EQ(rays(17, 4), 16u);
-  EXPECT_EQ(rays(2, 8), 8u);
+  EXPECT_EQ(taken(16, 1), 16u);
+  EXPECT_EQ(taken(16, 8), 16u);
+  EXPECT_EQ(taken(17, 4), 16u);
+  EXPECT_EQ(taken(2, 8), 8u);
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ TEST(LightDirectly, PassesBringTheNoiseToItsPartOfTheTarget) {
   const auto better = light(room, options);
   EXPECT_LT(noise(room, better), 1.2 * noise(room, once) / 3);
   EXPECT_GT(noise(room, better), 0.5 * noise(room, once) / 3);
-  EXPECT_GE(better[0].direct.shadow_rays, 8 * once[0].direct.shadow_rays);
+  EXPECT_GE(better[0].direct.counts.light_samples, 8 * once[0].direct.counts.light_samples);
   options.target_error = 1;
   EXPECT_EQ(light(room, options)[0].direct.irradiance_w_m2.values, once[0].direct.irradiance_w_m2.values);
 }

@@ -1,0 +1,60 @@
+// Which samples of a patch against a light are in the shadow, when.
+#pragma once
+
+#include <bit>
+#include <vector>
+
+#include "engine/visibility/occluders.h"
+
+namespace engine {
+
+/// Rays of one patch against one light, and what they meet. Buffers are kept from one to the next.
+class Shadows {
+ public:
+  /// `moving_rays`: null where there are no frames.
+  Shadows(const StaticRays& static_rays, const MovingRays* moving_rays)
+      : static_rays_(static_rays), moving_rays_(moving_rays) {}
+
+  ShaftContents contents;  ///< what may stand between; to be filled
+
+  bool none() const { return contents.at_rest.empty() && contents.moving_empty(); }
+
+  /// Begins with `count` rays, all of them unblocked.
+  void begin(std::size_t count);
+  void set(std::size_t k, const Ray& ray) {
+    rays_[k] = ray;
+    lanes_[k / RayLanes::kCount].set(k % RayLanes::kCount, ray);
+  }
+
+  /// Finds what the contents block. Each verdict is that of one ray and one facet, whatever else is looked
+  /// at.
+  void cast(std::uint32_t slot_count);
+
+  bool blocked_at_rest(std::size_t k) const {
+    return (at_rest_[k / RayLanes::kCount] >> (k % RayLanes::kCount)) & 1;
+  }
+  /// Calls use(k, slot) for every ray that passes what rests and that something that moves blocks there.
+  template <class Use>
+  void each_blocked(std::uint32_t slot_count, Use&& use) const {
+    for (std::size_t block = 0; block < lanes_.size(); ++block)
+      for (std::uint32_t slot = 0; slot < slot_count; ++slot)
+        for (std::uint32_t bits = moving_[block * kWindowMax + slot]; bits != 0; bits &= bits - 1)
+          use(block * RayLanes::kCount + static_cast<std::size_t>(std::countr_zero(bits)), slot);
+  }
+
+ private:
+  void cast_at_rest(std::size_t block, std::uint32_t every);
+  void cast_moving(std::size_t block, std::uint32_t open);
+
+  /// Facets at rest beyond which a tree is asked instead.
+  static constexpr std::size_t kAtRestMax = 128;
+
+  const StaticRays& static_rays_;
+  const MovingRays* moving_rays_;
+  std::vector<Ray> rays_;
+  std::vector<RayLanes> lanes_;         ///< the same, sixteen to a block
+  std::vector<std::uint32_t> at_rest_;  ///< [block]: bit k: ray k is blocked
+  std::vector<std::uint32_t> moving_;   ///< [block][slot], kWindowMax slots to a block
+};
+
+}  // namespace engine
