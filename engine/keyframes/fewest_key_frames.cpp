@@ -5,6 +5,12 @@
 
 namespace engine {
 
+std::vector<api::FrameIndex> shared_frames(std::uint32_t frame_count) {
+  std::vector<api::FrameIndex> shared;
+  for (api::FrameIndex f = kIntervalMax; f + 1 < frame_count; f += kIntervalMax) shared.push_back(f);
+  return shared;
+}
+
 api::Result<std::vector<api::FrameIndex>> fewest_key_frames(std::uint32_t frame_count,
                                                             const MaySkip& may_skip,
                                                             const std::vector<api::FrameIndex>& forced,

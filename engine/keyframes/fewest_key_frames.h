@@ -14,6 +14,10 @@ namespace engine {
 /// that are traced together.
 inline constexpr std::uint32_t kIntervalMax = 127;
 
+/// Every kIntervalMax-th frame between the first and the last: windows of frames that are traced together
+/// meet there and have it in common, so it is a key.
+std::vector<api::FrameIndex> shared_frames(std::uint32_t frame_count);
+
 /// May the frames between `a` and `b` be interpolated from these two?
 using MaySkip = std::function<bool(api::FrameIndex a, api::FrameIndex b)>;
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/interpolate/interpolate.h"
+#include "engine/keyframes/fewest_key_frames.h"
 
 namespace engine {
 namespace {
@@ -28,15 +29,48 @@ Rgb standard_error(const std::array<Rgb, kOfGroup>& all) {
   return {std::sqrt(squares.r * kShare), std::sqrt(squares.g * kShare), std::sqrt(squares.b * kShare)};
 }
 
+/// Interpolates to every frame from knots that include `ends`, each stretch between two of these by itself.
+class StretchInterpolator {
+ public:
+  StretchInterpolator(std::span<const FrameIndex> knots, std::span<const FrameIndex> ends,
+                      api::Interpolation kind) {
+    for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
+      std::vector<FrameIndex> frames(ends[k + 1] - ends[k] + 1);
+      std::iota(frames.begin(), frames.end(), ends[k]);
+      const auto begin = std::lower_bound(knots.begin(), knots.end(), ends[k]);
+      const auto end = std::upper_bound(begin, knots.end(), ends[k + 1]);
+      stretches_.push_back(
+          {static_cast<std::size_t>(begin - knots.begin()), ends[k], {{begin, end}, frames, kind}});
+    }
+  }
+
+  void apply(const Rgb* at_knots, Rgb* to) const {
+    for (const Stretch& stretch : stretches_)
+      stretch.interpolator.apply(at_knots + stretch.first_knot, to + stretch.first_frame);
+  }
+
+ private:
+  struct Stretch {
+    std::size_t first_knot;
+    FrameIndex first_frame;
+    Interpolator interpolator;
+  };
+  std::vector<Stretch> stretches_;
+};
+
 }  // namespace
 
 InterpolationError::InterpolationError(const LitScene& lit, const Estimate& estimate, api::Interpolated what)
     : values_(estimate.interpolated),
       frame_count_(values_.frame_count),
       group_count_(values_.group_count),
+      ends_{0},
       weights_(estimate.radiosity_w_m2.values.size() * group_count_),
       relative_(estimate.radiosity_w_m2.values.size()),
       refused_first_(lit.patches.count()) {
+  if (what == api::Interpolated::indirect)
+    for (const FrameIndex frame : shared_frames(frame_count_)) ends_.push_back(frame);
+  ends_.push_back(frame_count_ - 1);
   const auto floor = static_cast<float>(0.5 * mean_radiosity(lit, estimate.radiosity_w_m2));
   std::size_t at = 0;
   for (PatchId patch = 0; patch < lit.patches.count(); ++patch)
@@ -85,9 +119,7 @@ bool InterpolationError::within(api::FrameIndex a, api::FrameIndex b, double tol
 
 std::vector<double> InterpolationError::largest(std::span<const api::FrameIndex> knots,
                                                 api::Interpolation interpolation) const {
-  std::vector<api::FrameIndex> frames(frame_count_);
-  std::iota(frames.begin(), frames.end(), 0u);
-  const Interpolator interpolator(knots, frames, interpolation);
+  const StretchInterpolator interpolator(knots, ends_, interpolation);
   std::vector<double> largest(frame_count_, 0.0);
   std::vector<Rgb> at_knots(knots.size()), found(frame_count_), missed(frame_count_);
   for (PatchId patch = 0; patch < refused_first_.size(); ++patch) {

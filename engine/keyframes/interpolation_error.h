@@ -41,7 +41,9 @@ class InterpolationError {
   bool within(api::FrameIndex a, api::FrameIndex b, double tolerance, Evidence evidence);
 
   /// Largest e over the patches, [frame], interpolated from `knots` (increasing, first and last frame
-  /// included); by the mean of the replicates.
+  /// included); by the mean of the replicates. As the solution interpolates: all light over the whole
+  /// sequence; indirect light window by window (shared_frames, which are knots then), so that a cubic has
+  /// slopes of its own at the ends of each.
   std::vector<double> largest(std::span<const api::FrameIndex> knots, api::Interpolation interpolation) const;
 
  private:
@@ -50,6 +52,7 @@ class InterpolationError {
 
   const ReplicateSeries& values_;
   std::uint32_t frame_count_, group_count_;
+  std::vector<api::FrameIndex> ends_;   ///< of what is interpolated in one go
   std::vector<Rgb> weights_;            ///< rho scale, [patch][frame][group]
   std::vector<float> relative_;         ///< 1 / max(max_c B, mean B / 2), [patch][frame]
   std::vector<PatchId> refused_first_;  ///< all patches, those that refused lately in front

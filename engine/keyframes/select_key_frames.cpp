@@ -25,7 +25,8 @@ Frames forced_keys(const Animation& animation, const Estimate& estimate) {
   std::vector<LightGroup> groups;
   for (const LitGroup& lit : estimate.groups) groups.push_back(lit.group);
   Frames forced = frames_at_jumps(animation, groups);
-  for (FrameIndex f = kIntervalMax; f + 1 < animation.frame_count; f += kIntervalMax) forced.push_back(f);
+  const Frames shared = shared_frames(animation.frame_count);
+  forced.insert(forced.end(), shared.begin(), shared.end());
   std::sort(forced.begin(), forced.end());
   forced.erase(std::unique(forced.begin(), forced.end()), forced.end());
   return forced;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/interpolate/interpolate.h"
+#include "engine/keyframes/fewest_key_frames.h"
 #include "tests/unit/engine/keyframes/hand_made.h"
 
 namespace engine {
@@ -217,6 +218,51 @@ TEST(InterpolationError, OfACubicIsThatOfTheCubic) {
                                               std::max(radiosity.at(p, f).g, 1.0f));
   }
   for (FrameIndex f = 0; f < 20; ++f) EXPECT_NEAR(errors[f], expected[f], 1e-6) << f;
+}
+
+/// |x^ - x| of a wave about 2 at frames [first, last], by a cubic through the knots among these alone.
+std::vector<double> missed_by_cubic(const Knots& knots, FrameIndex first, FrameIndex last) {
+  const auto wave = [](FrameIndex f) { return 2 + std::sin(0.05f * static_cast<float>(f)); };
+  Knots within, frames;
+  std::vector<Rgb> at_knots;
+  for (FrameIndex f = first; f <= last; ++f) frames.push_back(f);
+  for (const FrameIndex knot : knots) {
+    if (knot < first || knot > last) continue;
+    within.push_back(knot);
+    at_knots.push_back(Rgb{1, 1, 1} * wave(knot));
+  }
+  std::vector<Rgb> found(frames.size());
+  Interpolator(within, frames, Interpolation::monotone_cubic).apply(at_knots.data(), found.data());
+  std::vector<double> missed;
+  for (const FrameIndex f : frames) missed.push_back(std::abs(found[f - first].g - wave(f)));
+  return missed;
+}
+
+// Indirect light is interpolated window by window, all light over the whole sequence.
+TEST(InterpolationError, OfACubicIsThatOfTheWindowsThatAreInterpolated) {
+  const std::uint32_t frames = 2 * kIntervalMax + 30;
+  const Squares world(1, frames);
+  Knots knots;
+  for (FrameIndex f = 0; f < frames; f += 10) knots.push_back(f);
+  for (const FrameIndex f : {kIntervalMax, 2 * kIntervalMax, frames - 1}) knots.push_back(f);
+  std::sort(knots.begin(), knots.end());
+  const Estimate estimate =
+      estimate_of(world, series(1, frames, [](auto, auto) { return 1.0f; }),
+                  [](auto, auto, auto f) { return 2 + std::sin(0.05f * static_cast<float>(f)); });
+  const auto errors = [&](Interpolated what) {
+    return InterpolationError(world.lit(), estimate, what).largest(knots, Interpolation::monotone_cubic);
+  };
+  const auto of_indirect = errors(Interpolated::indirect), of_total = errors(Interpolated::total);
+  const auto whole = missed_by_cubic(knots, 0, frames - 1);
+  double seam = 0;
+  for (FrameIndex f = 0; f < frames; ++f) {
+    const FrameIndex first = f / kIntervalMax * kIntervalMax;
+    const auto window = missed_by_cubic(knots, first, std::min(first + kIntervalMax, frames - 1));
+    EXPECT_NEAR(of_indirect[f], 0.5 * window[f - first], 1e-6) << f;  // the squares reflect a half
+    EXPECT_NEAR(of_total[f], whole[f], 1e-6) << f;
+    seam = std::max(seam, std::abs(window[f - first] - whole[f]));
+  }
+  EXPECT_GT(seam, 1e-3) << "there is nothing to tell them apart by";
 }
 
 TEST(InterpolationError, ASceneWithoutLightHasNone) {
