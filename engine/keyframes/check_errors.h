@@ -10,13 +10,14 @@
 
 namespace engine {
 
-/// What leaving the check frames of a window out would have done to the radiosity, B^ - B  [W/m^2], [patch]
+/// What leaving check frames out would have done to the radiosity, B^ - B  [W/m^2], [patch]
 /// [check]: Y (see solve_difference) interpolated from the keys alone, less Y as it was solved.
 ///
 /// Where all light is interpolated it is B instead of Y.
 ///
-/// keys, checks: frames of the window, increasing.  interpolated: Y of each of `groups`, or B alone (`groups`
-/// empty), [patch][position among keys and checks].
+/// keys, checks: increasing; of one window where it is interpolated by itself, else of the whole sequence.
+/// interpolated: Y of each of `groups`, or parts of B that are interpolated one by one (`groups` empty),
+/// [patch][position among keys and checks].
 PatchSeries left_out(const LitScene& lit, std::span<const LitGroup> groups,
                      std::span<const PatchSeries* const> interpolated, std::span<const FrameIndex> keys,
                      std::span<const FrameIndex> checks, api::Interpolation interpolation);

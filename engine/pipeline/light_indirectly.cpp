@@ -1,7 +1,6 @@
 #include "engine/pipeline/light_indirectly.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -157,16 +156,21 @@ class IndirectSolver {
       const Progress solving = part_of(progress, share(kTracingShare), share(kSolvedShare));
       if (const auto s = window.solve(part.solved, counts, solving); !s) return s.error();
       counts.empty_rows += window.empty_rows();
-      if (splits(options_)) {
-        missed_->add(missed_in(window, part), 0, first_check);
-        first_check += static_cast<std::uint32_t>(part.checks.size());
-      }
       auto light = light_of(window, part_of(progress, share(kSolvedShare), share(1)));
       if (!light) return light.error();
       const std::uint32_t skip = w > 0 && splits(options_) ? 1 : 0;  // what the window before had as well
+      if (fills_between(options_)) {
+        missed_->add(
+            left_out(lit_, groups_, window.carried(), part.keys, part.checks, options_.interpolation), 0,
+            first_check);
+        first_check += static_cast<std::uint32_t>(part.checks.size());
+      } else if (splits(options_)) {
+        take_radiosity(window, skip, first);
+      }
       accumulate(*light, skip, first);
       first += (*light)[0].frame_count - skip;
     }
+    if (!radiosity_.empty()) miss_in_all_windows();
     counts_ += counts;
     return api::Done{};
   }
@@ -178,11 +182,21 @@ class IndirectSolver {
     counts.moving_exchanges += lines.moving_rows.entry_count();
   }
 
-  PatchSeries missed_in(const WindowSolver& window, const KeyFrames& part) const {
-    if (fills_between(options_))
-      return left_out(lit_, groups_, window.carried(), part.keys, part.checks, options_.interpolation);
-    const PatchSeries radiosity = window.radiosity_at_solved();
-    return left_out(lit_, {}, std::array{&radiosity}, part.keys, part.checks, options_.interpolation);
+  /// Where all light is interpolated: that of each name in the solved frames of a window, columns from `skip`
+  /// on, at column `first` of all that are solved.
+  void take_radiosity(const WindowSolver& window, std::uint32_t skip, std::uint32_t first) {
+    const auto solved = static_cast<std::uint32_t>(chosen_.solved.size());
+    radiosity_.resize(std::max<std::size_t>(1, names_.size()), PatchSeries(lit_.patches.count(), solved));
+    for (std::size_t n = 0; n < radiosity_.size(); ++n)
+      blend(window.radiosity_at_solved(names_.empty() ? nullptr : &names_[n]), skip, first, 1, radiosity_[n]);
+  }
+
+  /// All light is interpolated over the whole sequence, and that of each name by itself.
+  void miss_in_all_windows() {
+    std::vector<const PatchSeries*> of_name;
+    for (const PatchSeries& radiosity : radiosity_) of_name.push_back(&radiosity);
+    missed_->add(left_out(lit_, {}, of_name, chosen_.keys, chosen_.checks, options_.interpolation), 0, 0);
+    radiosity_.clear();
   }
 
   /// Indirect irradiance of each name (of all groups where there are none).
@@ -343,6 +357,7 @@ class IndirectSolver {
   Frames frames_;
   std::optional<ReplicateMean> mean_;
   std::vector<PatchSeries> of_name_;
+  std::vector<PatchSeries> radiosity_;  ///< of the replicate at work, see take_radiosity
   std::optional<ReplicateMean> missed_;
   std::vector<double> observed_;
   std::uint32_t rounds_ = 0;

@@ -100,11 +100,12 @@ api::Result<PatchSeries> WindowSolver::in_every_frame(std::size_t g, api::Interp
   return irradiance;
 }
 
-PatchSeries WindowSolver::radiosity_at_solved() const {
+PatchSeries WindowSolver::radiosity_at_solved(const std::string* name) const {
   PatchSeries sum(lit_.patches.count(), static_cast<std::uint32_t>(solved_.size()));
-  std::vector<const LitGroup*> all;
+  std::vector<const LitGroup*> of_name;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    all.push_back(&groups_[g]);
+    if (name && groups_[g].group.name != *name) continue;
+    of_name.push_back(&groups_[g]);
     PatchSeries arriving = at_solved(g);
     if (sources_[g].direct)
       for_each_patch(arriving.patch_count, {}, [&](PatchId patch) {
@@ -113,7 +114,7 @@ PatchSeries WindowSolver::radiosity_at_solved() const {
       });
     add_scaled(groups_[g].group, arriving, solved_, sum);
   }
-  to_radiosity(lit_, all, solved_, sum);
+  to_radiosity(lit_, of_name, solved_, sum);
   return sum;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engine/lighting/compose.h"
@@ -30,8 +31,9 @@ class WindowSolver {
   api::Result<PatchSeries> in_every_frame(std::size_t g, api::Interpolation interpolation,
                                           const Progress& progress) const;
 
-  /// B of all groups at the solved frames  [W/m^2], [patch][position in solved()].
-  PatchSeries radiosity_at_solved() const;
+  /// B of the groups named `name`, or of all (null), at the solved frames  [W/m^2], [patch][position in
+  /// solved()].
+  PatchSeries radiosity_at_solved(const std::string* name = nullptr) const;
 
   /// Patches and slots: they move, are there, and no line met them.
   std::uint64_t empty_rows() const;

@@ -2,8 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
+#include "engine/interpolate/interpolate.h"
+#include "engine/keyframes/fewest_key_frames.h"
 #include "engine/lighting/compose.h"
 #include "tests/unit/engine/pipeline/solve_room.h"
 
@@ -229,6 +233,81 @@ TEST(InterpolatedFrames, WindowsOfManyFramesShareAKeyAndLeaveNoSeam) {
     for (const FrameIndex beside : {126u, 128u, 253u, 255u})
       EXPECT_LT(difference_in(room, solution, reference, beside), 0.25 * missed) << beside;
   }
+}
+
+/// One floor under two suns that rise and set, 2 x kIntervalMax frames and more: no light but theirs, which
+/// has no noise.
+struct SunnyFloor : tests::World {
+  static Scene floor() {
+    Scene scene = tests::scene_with(1, 1);
+    tests::add_polygon(scene, {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}});
+    return scene;
+  }
+  static Animation suns() {
+    Animation animation = tests::still(floor(), 2 * kIntervalMax + 30);
+    for (const auto& [name, pace] : {std::pair("dawn", 0.061f), std::pair("noon", 0.083f)}) {
+      SourceMotion sun{name, api::LightType::directional, {{}}, {{0, 0, -1}}, {}, 1, 1};
+      for (FrameIndex f = 0; f < animation.frame_count; ++f)
+        sun.intensity.push_back(Rgb{1, 1, 1} * (2.3f + std::sin(pace * static_cast<float>(f))));
+      animation.emission.sources.push_back(sun);
+    }
+    return animation;
+  }
+  SunnyFloor() : World(floor(), suns(), 1.0) {}
+};
+
+/// Of one patch at a check, relative to its own B (never below half the mean): each of `parts` interpolated
+/// from the keys alone, added up.
+double missed_at(FrameIndex check, const std::vector<const PatchSeries*>& parts,
+                 const std::vector<FrameIndex>& keys) {
+  const Interpolator cubic(keys, std::array{check}, api::Interpolation::monotone_cubic);
+  double missed = 0, all = 0;
+  for (const PatchSeries* part : parts) {
+    std::vector<Rgb> at_keys;
+    for (const FrameIndex key : keys) at_keys.push_back(part->at(0, key));
+    Rgb found;
+    cubic.apply(at_keys.data(), &found);
+    missed += double{found.g} - part->at(0, check).g;
+    all += part->at(0, check).g;
+  }
+  return std::abs(missed) / all;
+}
+
+/// Every error that was observed is that of interpolating the files of the groups, or all light, over the
+/// whole sequence: as the result itself is made.
+void expect_observed_as_interpolated(const tests::World& floor, const api::LightingOptions& options) {
+  const Solution solution = solve(floor.lit(), options);
+  std::vector<const PatchSeries*> parts;
+  for (const auto& [name, lights] : options.light_groups)
+    parts.push_back(solution.series("radiosity_" + name + ".npy"));
+  if (parts.empty()) parts.push_back(&solution.sequence.radiosity_w_m2);
+  std::vector<FrameIndex> keys, checks;
+  for (const api::FrameRecord& record : solution.sequence.key_frames.frames) {
+    if (record.kind == FrameKind::key) keys.push_back(record.frame);
+    if (record.kind == FrameKind::check) checks.push_back(record.frame);
+  }
+  double largest = 0;
+  for (const api::KeyFrameInterval& interval : solution.sequence.key_frames.intervals) {
+    double expected = 0;
+    for (const FrameIndex check : checks)
+      if (interval.first < check && check < interval.last)
+        expected = std::max(expected, missed_at(check, parts, keys));
+    EXPECT_NEAR(interval.observed_error.value_or(0), expected, 1e-5) << interval.first;
+    largest = std::max(largest, expected);
+  }
+  EXPECT_GT(largest, 1e-3);
+}
+
+TEST(InterpolatedFrames, WhereAllLightIsInterpolatedItsErrorIsObservedAsItIsInterpolated) {
+  const SunnyFloor floor;
+  api::LightingOptions options = quick_options();
+  options.interpolated = api::Interpolated::total;
+  options.interpolation = api::Interpolation::monotone_cubic;
+  options.standard_errors = false;
+  options.tolerance = 0.1;
+  expect_observed_as_interpolated(floor, options);
+  options.light_groups = {{"dawn", {"dawn"}}, {"noon", {"noon"}}};
+  expect_observed_as_interpolated(floor, options);
 }
 
 }  // namespace
