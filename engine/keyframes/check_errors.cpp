@@ -80,9 +80,10 @@ bool split(KeyFrames& chosen, const std::vector<bool>& bad) {
   for (std::size_t k = 1; k < keys.size(); ++k) {
     const std::size_t first = next;
     while (next < checks.size() && checks[next] < keys[k]) ++next;
+    const bool has_more = keys[k] - keys[k - 1] - 1 > next - first;  // frames between than checks
     const bool is_bad =
-        std::any_of(bad.begin() + static_cast<std::ptrdiff_t>(first),
-                    bad.begin() + static_cast<std::ptrdiff_t>(next), [](bool b) { return b; });
+        has_more && std::any_of(bad.begin() + static_cast<std::ptrdiff_t>(first),
+                                bad.begin() + static_cast<std::ptrdiff_t>(next), [](bool b) { return b; });
     for (std::size_t c = first; c < next; ++c) (is_bad ? chosen.keys : chosen.checks).push_back(checks[c]);
     chosen.keys.push_back(keys[k]);
     for (std::size_t c = first; is_bad && c <= next; ++c) {

@@ -42,7 +42,8 @@ std::vector<double> check_errors(const LitScene& lit, const ReplicateMean& misse
                                  const CheckedRadiosity& radiosity);
 
 /// Makes all checks of an interval keys where one of them is `bad` (one flag per check), and gives the parts
-/// checks of their own. Returns whether anything changed. `chosen.solved` is brought up to date.
+/// checks of their own; not where the checks are all there is between its keys, since nothing would be
+/// better. Returns whether anything changed. `chosen.solved` is brought up to date.
 bool split(KeyFrames& chosen, const std::vector<bool>& bad);
 
 }  // namespace engine

@@ -148,15 +148,16 @@ TEST(Split, OfTwoChecksOneThatIsBadMakesBothKeys) {
   }
 }
 
-TEST(Split, EndsWhereNothingIsBetween) {
+// All would be solved again to the same frames.
+TEST(Split, EndsWhereAllFramesAreSolved) {
   KeyFrames all = chosen({0, 2, 5}, {1, 3});
   EXPECT_TRUE(split(all, {true, true}));
-  EXPECT_EQ(all.keys, (Keys{0, 1, 2, 3, 5}));
-  EXPECT_EQ(all.checks, (Keys{4}));
-  EXPECT_TRUE(split(all, {true}));
-  EXPECT_EQ(all.keys, (Keys{0, 1, 2, 3, 4, 5}));
-  EXPECT_TRUE(all.checks.empty());
-  EXPECT_FALSE(split(all, {}));
+  EXPECT_EQ(all.keys, (Keys{0, 2, 3, 5}));
+  EXPECT_EQ(all.checks, (Keys{1, 4}));
+  EXPECT_EQ(all.solved, (Keys{0, 1, 2, 3, 4, 5}));
+  EXPECT_FALSE(split(all, {true, true}));
+  EXPECT_EQ(all.keys, (Keys{0, 2, 3, 5}));
+  EXPECT_EQ(all.checks, (Keys{1, 4}));
 }
 
 }  // namespace
