@@ -43,7 +43,8 @@ struct KeyFrameInterval {
   /// noise by more than 5 standard errors, so 0 also where noise hides it.
   std::optional<double> observed_error;
   /// Is what was promised kept, as far as can be told: observed_error where there is one, else
-  /// predicted_error, within the tolerance? Not known in modes that promise nothing.
+  /// predicted_error, within the tolerance? True as well where every frame between was solved, whatever
+  /// leaving them out would have done. Not known in modes that promise nothing.
   std::optional<bool> kept = std::nullopt;
 };
 

@@ -60,14 +60,19 @@ void warn(const SolveCounts& counts, api::JobReport& report) {
                               "their polygons are too thin");
 }
 
-/// What the solution said of each interval at its check frames.
+/// What the solution said of each interval at its check frames. Where these are all the frames between,
+/// nothing is interpolated, and what leaving them out would have done is no one's loss.
 void observe(const KeyFrames& chosen, const std::vector<double>& errors, const api::LightingOptions& options,
              api::KeyFrameReport& report) {
   for (api::KeyFrameInterval& interval : report.intervals) {
+    FrameIndex between = interval.last - interval.first - 1;  // that are not solved
     for (std::size_t c = 0; c < chosen.checks.size(); ++c)
-      if (interval.first < chosen.checks[c] && chosen.checks[c] < interval.last)
+      if (interval.first < chosen.checks[c] && chosen.checks[c] < interval.last) {
         interval.observed_error = std::max(interval.observed_error.value_or(0), errors[c]);
-    if (interval.observed_error) interval.kept = *interval.observed_error <= options.tolerance;
+        --between;
+      }
+    if (interval.observed_error)
+      interval.kept = between == 0 || *interval.observed_error <= options.tolerance;
   }
 }
 

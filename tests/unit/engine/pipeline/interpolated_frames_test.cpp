@@ -157,27 +157,33 @@ struct SwingingRoom : tests::World {
     tests::add_box(scene, {-0.2f, -0.2f, -0.1f}, {0.2f, 0.2f, 0.1f}, false, 1, 2);
     return scene;
   }
-  static Animation swinging() {
-    Animation animation = tests::still(bare(), 127);
+  static Animation swinging(FrameIndex frames) {
+    Animation animation = tests::still(bare(), frames);
     animation.emission.exitance_w_m2[1] = {{100, 80, 50}};
     animation.objects[1].spans.clear();
-    for (FrameIndex f = 0; f < 127; ++f)
+    for (FrameIndex f = 0; f < frames; ++f)
       animation.objects[1].spans.push_back({f, f, tests::moved_to(0.7 * std::sin(0.8 * f), 0, 0.5)});
     return animation;
   }
-  SwingingRoom() : World(bare(), swinging(), 0.5) {}
+  explicit SwingingRoom(FrameIndex frames) : World(bare(), swinging(frames), 0.5) {}
+
+  /// All light is interpolated, and the estimate is blind.
+  static api::LightingOptions options() {
+    api::LightingOptions options = quick_options();
+    options.estimate_patch_edge_m = 3;
+    options.estimate_line_count = 100'000;
+    options.interpolated = api::Interpolated::total;
+    options.samples_per_light = 64;
+    options.tolerance = 0.1;
+    return options;
+  }
 };
 
 // What the estimate does not see is found by the checks, but intervals are split three times only: where that
 // is not enough the report says so, and it is true.
 TEST(InterpolatedFrames, IntervalsThatSplittingDoesNotMendAreNamed) {
-  const SwingingRoom room;
-  api::LightingOptions options = quick_options();
-  options.estimate_patch_edge_m = 3;
-  options.estimate_line_count = 100'000;
-  options.interpolated = api::Interpolated::total;
-  options.samples_per_light = 64;
-  options.tolerance = 0.1;
+  const SwingingRoom room(127);
+  api::LightingOptions options = room.options();
   const Solution solution = solve(room.lit(), options);
   options.mode = LightingMode::reference;
   const Solution reference = solve(room.lit(), options);
@@ -191,6 +197,21 @@ TEST(InterpolatedFrames, IntervalsThatSplittingDoesNotMendAreNamed) {
     EXPECT_FALSE(*interval.kept) << interval.first;
   }
   EXPECT_GT(broken, 0);
+}
+
+// 54 steps split by three three times leave a frame between two keys, and that is a check. What it would be
+// like without it is told, but no one has to put up with it.
+TEST(InterpolatedFrames, WhereEveryFrameIsSolvedThePromiseIsKeptWhateverLeavingThemOutWouldDo) {
+  const SwingingRoom room(55);
+  const Solution solution = solve(room.lit(), room.options());
+  double largest = 0;
+  for (const api::FrameRecord& record : solution.sequence.key_frames.frames)
+    ASSERT_NE(record.kind, FrameKind::interpolated);
+  for (const api::KeyFrameInterval& interval : solution.sequence.key_frames.intervals) {
+    EXPECT_EQ(interval.kept, true) << interval.first;
+    largest = std::max(largest, interval.observed_error.value_or(0));
+  }
+  EXPECT_GT(largest, room.options().tolerance);
 }
 
 /// 300 frames in which object 1 creeps past.
