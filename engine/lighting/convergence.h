@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "engine/base/rgb.h"
 #include "engine/lighting/solve_at_rest.h"
@@ -20,17 +21,30 @@ inline float largest_change(Rgb before, Rgb after) {
   return std::max({change(before.r, after.r), change(before.g, after.g), change(before.b, after.b)});
 }
 
+/// What changes are measured by: of what lines carry, largest channel over patches and frames.  [W/m^2]
+struct Scale {
+  double mean = 0;  ///< 0: all is dark
+  double largest = 0;
+};
+
 /// Follows the largest changes of the iterations.
 class ConvergenceTest {
  public:
-  /// Takes the largest change of this iteration, and the mean B it is relative to (0: dark).
-  void add(double change, double mean, Convergence& state) {
+  /// Takes the largest change of this iteration.
+  void add(double change, const Scale& scale, Convergence& state) {
+    const double mean = scale.mean;
     const double now = last_ > 0 ? std::min(change / last_, 0.9999) : 0.9999;
     const double ratio = std::max({now, ratios_[0], ratios_[1]});
     ratios_ = {ratios_[1], now};
     state.error_left = mean > 0 ? change * ratio / (1 - ratio) / mean : 0;
     state.converged = state.error_left <= kIterationError;
     last_ = change;
+    if (change < kFalls * least_) {
+      least_ = change;
+      since_least_ = 0;
+    } else if (++since_least_ >= kStandsStill && change < kRoundingOfSums * scale.largest) {
+      state.converged = true;
+    }
     if (++state.iterations == 2) second_ = state.error_left;
   }
 
@@ -45,7 +59,14 @@ class ConvergenceTest {
   }
 
  private:
-  double last_ = 0, second_ = 0;
+  /// Rounding of the brightest patches' sums can go round in circles of some units in the last place, for
+  /// ever, and be more than kIterationError of a mean that is far darker. It has come to that when changes
+  /// this small have not fallen for so many iterations.
+  static constexpr double kRoundingOfSums = 4e-6, kFalls = 0.98;
+  static constexpr int kStandsStill = 8;
+
+  double last_ = 0, second_ = 0, least_ = std::numeric_limits<double>::infinity();
+  int since_least_ = 0;
   /// The two before: near the end changes are few units in the last place, and one ratio alone may be far too
   /// small by rounding.
   std::array<double, 2> ratios_{0, 0};

@@ -6,10 +6,11 @@ namespace {
 /// Tracing is about this share of the time, the solution the rest; progress only.
 constexpr double kTracingShare = 0.7;
 
-std::uint64_t empty_rows_at_rest(const LitScene& lit, const TracedLines& lines) {
-  std::uint64_t empty = 0;
+EmptyRows empty_rows_at_rest(const LitScene& lit, const TracedLines& lines) {
+  EmptyRows empty;
   for (PatchId patch = 0; patch < lit.patches.count(); ++patch)
-    empty += lit.at_rest(patch) && lines.crossings.static_count[patch] == 0;
+    if (lit.at_rest(patch) && lines.crossings.static_count[patch] == 0)
+      empty.add(patch, lit.patches.area_m2[patch], lit.animation.frame_count);
   return empty;
 }
 

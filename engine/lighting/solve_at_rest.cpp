@@ -6,13 +6,15 @@
 namespace engine {
 namespace {
 
-double mean_over_area(const Patches& patches, const std::vector<Rgb>& values) {
-  double sum = 0, area = 0;
+Scale scale_of(const Patches& patches, const std::vector<Rgb>& values) {
+  double sum = 0, area = 0, largest = 0;
   for (PatchId patch = 0; patch < patches.count(); ++patch) {
-    sum += double{patches.area_m2[patch]} * max_channel(values[patch]);
+    const double value = max_channel(values[patch]);
+    sum += patches.area_m2[patch] * value;
+    largest = std::max(largest, value);
     area += patches.area_m2[patch];
   }
-  return sum / area;
+  return {sum / area, largest};
 }
 
 }  // namespace
@@ -37,7 +39,7 @@ api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& 
       changes[patch] = largest_change(radiosity.values[patch], next);
       radiosity.values[patch] = next;
     });
-    test.add(*std::max_element(changes.begin(), changes.end()), mean_over_area(patches, radiosity.values),
+    test.add(*std::max_element(changes.begin(), changes.end()), scale_of(patches, radiosity.values),
              light.convergence);
     progress.report(test.fraction(light.convergence));
   } while (!test.may_end(light.convergence));

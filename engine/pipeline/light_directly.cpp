@@ -19,6 +19,20 @@ constexpr std::chrono::seconds kWorthSaving{5};
 /// Of the mean of all passes so far.
 constexpr std::string_view kMeanName = "direct-mean";
 
+/// Lighting a patch in one more pose is about so much of lighting one at rest in all frames.
+constexpr double kWorkOfPose = 0.5;
+
+/// Of the patches before, [patch], and of all; progress only.
+std::vector<double> work_until(const LitScene& lit) {
+  std::vector<double> work{0};
+  for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
+    const std::size_t poses =
+        lit.animation.objects[lit.patches.facets[lit.patches.facet_of[patch]].object].spans.size();
+    work.push_back(work.back() + (lit.at_rest(patch) ? 1 : kWorkOfPose * static_cast<double>(poses)));
+  }
+  return work;
+}
+
 /// One pass over all groups and patches: the part [from, to] of the stage.
 class DirectPass {
  public:
@@ -30,6 +44,7 @@ class DirectPass {
         pass_(pass),
         from_(from),
         to_(to),
+        work_(work_until(lit)),
         checkpoints_(checkpoints) {}
 
   /// Of group `g` of `count`.
@@ -40,7 +55,7 @@ class DirectPass {
     DirectLight direct = lighter.empty();
     const PatchId patches = lit_.patches.count();
     const auto share = [&](PatchId patch) {
-      return from_ + (to_ - from_) * (static_cast<double>(g) + static_cast<double>(patch) / patches) /
+      return from_ + (to_ - from_) * (static_cast<double>(g) + work_[patch] / work_[patches]) /
                          static_cast<double>(count);
     };
     PatchId first = saved(g, direct);
@@ -100,6 +115,7 @@ class DirectPass {
   const api::LightingOptions& options_;
   const std::uint32_t pass_;
   const double from_, to_;
+  const std::vector<double> work_;
   bool has_saved_ = false;
   Checkpoints& checkpoints_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();

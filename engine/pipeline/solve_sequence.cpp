@@ -1,7 +1,9 @@
 #include "engine/pipeline/solve_sequence.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <iterator>
+#include <numeric>
 #include <span>
 
 #include "engine/interpolate/interpolate.h"
@@ -38,7 +40,7 @@ void add_counts(const KeyFrames& chosen, const SolveCounts& counts, api::JobRepo
   add("moving_hits", counts.tracing.moving_hits);
   add("exchanges", counts.exchanges);
   add("moving_exchanges", counts.moving_exchanges);
-  add("rows_without_crossings", counts.empty_rows);
+  add("rows_without_crossings", counts.empty_rows.count);
   add("iterations", counts.iterations);
 }
 
@@ -49,19 +51,35 @@ void add_direct_counts(const std::vector<LitGroup>& groups, api::JobReport& repo
   report.counts.emplace_back("shadow_rays", static_cast<double>(counts.shadow_rays));
 }
 
+/// Of the surface, in the mean of frames and replicates: what no one sees.
+constexpr double kEmptyShareShown = 1e-4;
+
+void warn_of_empty_rows(const LitScene& lit, const EmptyRows& empty, std::uint32_t replicates,
+                        api::JobReport& report) {
+  const auto& areas = lit.patches.area_m2;
+  const double all =
+      std::accumulate(areas.begin(), areas.end(), 0.0) * replicates * lit.animation.frame_count;
+  if (!(empty.area_m2 > kEmptyShareShown * all)) return;
+  char share[32];
+  std::snprintf(share, sizeof share, "%.2g %%", 100 * empty.area_m2 / all);
+  report.warnings.push_back(
+      std::string(share) +
+      " of the surface was met by no line and got no indirect light; the largest patch of it "
+      "is of material \"" +
+      lit.scene.materials[lit.material_of(empty.largest)].name +
+      "\": other surfaces cover it, or its polygons are very thin");
+}
+
 /// What a user should know of a solution that is there but poor.
-void warn(const SolveCounts& counts, api::JobReport& report) {
+void warn(const LitScene& lit, const SolveCounts& counts, std::uint32_t replicates, api::JobReport& report) {
   if (!counts.converged)
     report.warnings.push_back("the light had not died down after " + std::to_string(counts.iterations) +
                               " bounces: reflectances near 1 make the result too dark");
-  if (counts.empty_rows > 0)
-    report.warnings.push_back(std::to_string(counts.empty_rows) +
-                              " patches and frames could not be met by any line and got no indirect light: "
-                              "their polygons are too thin");
+  warn_of_empty_rows(lit, counts.empty_rows, replicates, report);
 }
 
-/// What the solution said of each interval at its check frames. Where these are all the frames between,
-/// nothing is interpolated, and what leaving them out would have done is no one's loss.
+/// What the solution said of each interval at its check frames. Where these are all the frames between, nothing
+/// is interpolated, and what leaving them out would have done is no one's loss.
 void observe(const KeyFrames& chosen, const std::vector<double>& errors, const api::LightingOptions& options,
              api::KeyFrameReport& report) {
   for (api::KeyFrameInterval& interval : report.intervals) {
@@ -165,7 +183,7 @@ api::Result<SolvedSequence> solve_alone(const LitScene& lit, const api::Lighting
   if (!light) return light.error();
   const KeyFrames chosen = all_frames(lit.animation.frame_count);
   add_counts(chosen, light->counts, report);
-  warn(light->counts, report);
+  warn(lit, light->counts, replicates_of(options), report);
   SolvedSequence solved{
       std::move(light->radiosity_w_m2), {}, report_of(chosen, options, lit.animation.frame_count)};
   if (!options.light_groups.empty())
@@ -208,7 +226,7 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   if (!indirect) return indirect.error();
   add_counts(*chosen, indirect->counts, report);
   add_direct_counts(*lit_groups, report);
-  warn(indirect->counts, report);
+  warn(lit, indirect->counts, indirect->irradiance_w_m2.count(), report);
 
   clock.begin(api::Stage::interpolate);
   keep_frames(all, indirect->frames, *lit_groups);

@@ -118,15 +118,15 @@ PatchSeries WindowSolver::radiosity_at_solved(const std::string* name) const {
   return sum;
 }
 
-std::uint64_t WindowSolver::empty_rows() const {
-  std::uint64_t empty = 0;
+EmptyRows WindowSolver::empty_rows() const {
+  EmptyRows empty;
   for (const Facet& facet : lit_.patches.facets) {
     const ObjectMotion& motion = lit_.animation.objects[facet.object];
     if (motion.is_static(lit_.animation.frame_count)) continue;
     for (const PlacedRange& range : placed_ranges(motion, frames_))
       for (PatchId patch = facet.first_patch; patch < facet.first_patch + facet.patch_count(); ++patch)
         for (std::uint32_t slot = range.first_slot; slot <= range.last_slot; ++slot)
-          empty += lines_.crossings.at(patch, slot) == 0;
+          if (lines_.crossings.at(patch, slot) == 0) empty.add(patch, lit_.patches.area_m2[patch], 1);
   }
   return empty;
 }

@@ -36,7 +36,7 @@ class WindowSolver {
   PatchSeries radiosity_at_solved(const std::string* name = nullptr) const;
 
   /// Patches and slots: they move, are there, and no line met them.
-  std::uint64_t empty_rows() const;
+  EmptyRows empty_rows() const;
   const TracedLines& lines() const { return lines_; }
 
  private:

@@ -100,8 +100,8 @@ TEST(WindowSolver, CountsPatchesThatAreThereAndThatNoLineMeets) {
       empty += there && few.lines().crossings.at(patch, f) == 0 ? 1 : 0;
     }
   EXPECT_GT(empty, 10u);
-  EXPECT_EQ(few.empty_rows(), empty);
-  EXPECT_EQ(room.window().empty_rows(), 0u);
+  EXPECT_EQ(few.empty_rows().count, empty);
+  EXPECT_EQ(room.window().empty_rows().count, 0u);
 }
 
 /// Direct light of the whole room as one group.

@@ -1,0 +1,50 @@
+// When iterations end.
+#include "engine/lighting/convergence.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace engine {
+namespace {
+
+/// Iterations until the test says that it may end, with changes change(iteration).
+template <class Change>
+Convergence run(const Scale& scale, Change&& change) {
+  ConvergenceTest test;
+  Convergence state;
+  do {
+    test.add(change(state.iterations), scale, state);
+  } while (!test.may_end(state));
+  return state;
+}
+
+TEST(ConvergenceTest, EndsWhereWhatIsLeftIsSmallBesideTheMean) {
+  const Convergence state = run({1, 1}, [](std::uint32_t k) { return std::pow(0.5, k); });
+  EXPECT_TRUE(state.converged);
+  EXPECT_LE(state.error_left, kIterationError);
+  EXPECT_NEAR(state.iterations, std::log2(1 / kIterationError), 2);
+}
+
+// One patch beside a lamp is 100 times as bright as the mean: its last place is 1e-5 of that.
+TEST(ConvergenceTest, EndsWhereRoundingOfTheBrightestGoesRoundInCircles) {
+  const Convergence state =
+      run({1, 100}, [](std::uint32_t k) { return std::max(std::pow(0.5, k), k % 2 == 0 ? 3e-5 : 2e-5); });
+  EXPECT_TRUE(state.converged);
+  EXPECT_LT(state.iterations, 40u);
+}
+
+TEST(ConvergenceTest, DoesNotTakeSlowProgressForRounding) {
+  const Convergence state = run({1, 100}, [](std::uint32_t k) { return 1e-4 * std::pow(0.99, k); });
+  EXPECT_TRUE(state.converged);
+  EXPECT_LE(state.error_left, kIterationError);
+}
+
+TEST(ConvergenceTest, CirclesThatAreNotOfRoundingAreNoEnd) {
+  const Convergence state = run({1, 100}, [](std::uint32_t) { return 1e-2; });
+  EXPECT_FALSE(state.converged);
+  EXPECT_EQ(state.iterations, kIterationsMax);
+}
+
+}  // namespace
+}  // namespace engine
