@@ -376,6 +376,11 @@ bool fills_between(const api::LightingOptions& options) {
   return options.mode == api::LightingMode::standard && options.interpolated == api::Interpolated::indirect;
 }
 
+std::vector<LightGroup> solved_groups(const Scene& scene, const Animation& animation,
+                                      const api::LightingOptions& options) {
+  return light_groups(scene, animation, options.light_groups, fills_between(options) ? kScaledGroupsMax : 0);
+}
+
 api::Result<IndirectLight> light_indirectly(const LitScene& lit, const std::vector<LitGroup>& groups,
                                             const api::LightingOptions& options, KeyFrames& chosen,
                                             Checkpoints& checkpoints, StageClock& clock) {

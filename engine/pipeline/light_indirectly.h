@@ -7,6 +7,7 @@
 
 #include "api/lighting_options.h"
 #include "api/result.h"
+#include "engine/animation/light_groups.h"
 #include "engine/base/checkpoint.h"
 #include "engine/keyframes/select_key_frames.h"
 #include "engine/lighting/light_at_rest.h"
@@ -46,5 +47,10 @@ api::Result<IndirectLight> light_indirectly(const LitScene& lit, const std::vect
 
 /// Is only the indirect light interpolated, and direct light known in every frame?
 bool fills_between(const api::LightingOptions& options);
+
+/// The groups of lights that are solved by themselves: as named by the job, and by curves of brightness where
+/// that saves key-frames.
+std::vector<LightGroup> solved_groups(const Scene& scene, const Animation& animation,
+                                      const api::LightingOptions& options);
 
 }  // namespace engine

@@ -4,6 +4,8 @@
 #include <cstdio>
 
 #include "engine/base/rgb.h"
+#include "engine/estimate/estimate.h"
+#include "engine/pipeline/light_indirectly.h"
 
 namespace engine {
 namespace {
@@ -68,8 +70,16 @@ api::Status check_series(std::uint64_t patches, std::uint32_t frames, std::uint6
                              "; choose a larger " + field + " or fewer frames")});
 }
 
+/// As many as a run can hold, and no more than are asked for.
+std::uint64_t budget(const api::JobRequest& request, std::uint64_t groups) {
+  const std::uint64_t held =
+      kRunBytesMax / (series_of_run(request.lighting, groups) * sizeof(Rgb) * request.frame_count);
+  return std::min({request.lighting.patch_count_max, std::uint64_t{kPatchesMax}, held});
+}
+
 /// Counts the patches of the lighting.
-api::Result<PatchCount> check_fine_mesh(const api::JobRequest& request, const Scene& scene) {
+api::Result<PatchCount> check_fine_mesh(const api::JobRequest& request, const Scene& scene,
+                                        std::uint64_t groups) {
   const api::LightingOptions& lighting = request.lighting;
   auto count = count_patches(scene, MeshOptions{lighting.patch_edge_m, lighting.patch_layout});
   if (!count) return count.error();
@@ -80,27 +90,29 @@ api::Result<PatchCount> check_fine_mesh(const api::JobRequest& request, const Sc
                                        " patches at the coarsest, more than patch_count_max; choose a larger "
                                        "patch_count_max or patch_edge_m")})
         .error();
-  if (auto s = check_series(count->patches, request.frame_count, series_of_run(lighting), "patch_edge_m"); !s)
+  if (auto s =
+          check_series(count->patches, request.frame_count, series_of_run(lighting, groups), "patch_edge_m");
+      !s)
     return s.error();
-  if (adaptive) count->patches = std::max(count->patches, std::min(count->finest, patch_budget(request)));
+  if (adaptive) count->patches = std::max(count->patches, std::min(count->finest, budget(request, groups)));
   return count;
 }
 
 }  // namespace
 
-std::uint64_t series_of_run(const api::LightingOptions& lighting) {
-  const std::uint64_t named = lighting.light_groups.size();
-  return 4 * (named + 1) + 6 + 2 * named;
+std::uint64_t series_of_run(const api::LightingOptions& lighting, std::uint64_t groups) {
+  const bool total = lighting.interpolated == api::Interpolated::total;
+  return 4 * groups + 6 + (total ? 3 : 2) * lighting.light_groups.size();
 }
 
-std::uint64_t series_of_estimate(const api::LightingOptions& lighting) {
-  return 17 * (lighting.light_groups.size() + 1) + 17;
+std::uint64_t series_of_estimate(const api::LightingOptions& lighting, std::uint64_t groups) {
+  const bool total = lighting.interpolated == api::Interpolated::total;
+  const std::uint64_t compared = lighting.mode != api::LightingMode::standard ? 0 : total ? 1 : groups;
+  return 1 + groups + ReplicateSeries::kOfGroup * compared + std::max<std::uint64_t>(6, compared + 1);
 }
 
-std::uint64_t patch_budget(const api::JobRequest& request) {
-  const std::uint64_t held =
-      kRunBytesMax / (series_of_run(request.lighting) * sizeof(Rgb) * request.frame_count);
-  return std::min({request.lighting.patch_count_max, std::uint64_t{kPatchesMax}, held});
+std::uint64_t patch_budget(const api::JobRequest& request, const Scene& scene, const Animation& animation) {
+  return budget(request, solved_groups(scene, animation, request.lighting).size());
 }
 
 api::Status check_request_size(const api::JobRequest& request, std::size_t object_count) {
@@ -116,16 +128,18 @@ api::Status check_request_size(const api::JobRequest& request, std::size_t objec
   return refuse_if_any(std::move(violations));
 }
 
-api::Result<MeshSizes> check_mesh_size(const api::JobRequest& request, const Scene& scene) {
+api::Result<MeshSizes> check_mesh_size(const api::JobRequest& request, const Scene& scene,
+                                       const Animation& animation) {
   const api::LightingOptions& lighting = request.lighting;
-  const auto count = check_fine_mesh(request, scene);
+  const std::uint64_t groups = solved_groups(scene, animation, lighting).size();
+  const auto count = check_fine_mesh(request, scene, groups);
   if (!count) return count.error();
   const bool has_estimate =
       lighting.mode != api::LightingMode::reference && lighting.mode != api::LightingMode::frame_by_frame;
   if (!has_estimate) return MeshSizes{*count, 0};
   const auto coarse = count_patches(scene, lighting.estimate_patch_edge_m);
   if (!coarse) return coarse.error();
-  if (auto s = check_series(coarse->patches, request.frame_count, series_of_estimate(lighting),
+  if (auto s = check_series(coarse->patches, request.frame_count, series_of_estimate(lighting, groups),
                             "estimate_patch_edge_m");
       !s)
     return s.error();

@@ -3,6 +3,7 @@
 
 #include "api/job_request.h"
 #include "api/result.h"
+#include "engine/animation/animation.h"
 #include "engine/patches/patches.h"
 
 namespace engine {
@@ -11,14 +12,16 @@ namespace engine {
 /// than 1 GiB, since a replicate has at most kLinesPerReplicateMax.  [bytes]
 inline constexpr std::uint64_t kRunBytesMax = std::uint64_t{12} << 30;
 
-/// Series that a run holds at once at most. With G solutions (the groups of lights that the job names, and
-/// the rest): direct light and its variance of each, 2 G; mean and scatter of the replicates, 2; a window's
-/// light, 2 G and 4 more; and of each named group its mean and what the replicate at work found, 2.
-std::uint64_t series_of_run(const api::LightingOptions& lighting);
+/// Series that a run holds at once at most. With G = `groups` solutions (solved_groups): direct light and its
+/// variance of each, 2 G; mean and scatter of the replicates, 2; a window's light, 2 G and 4 more; and of
+/// each group that the job names its mean and what the replicate at work found, 2, and where all light is
+/// interpolated its radiosity, 1.
+std::uint64_t series_of_run(const api::LightingOptions& lighting, std::uint64_t groups);
 
-/// The same of the estimate, on its own patches: of each solution every replicate twice and direct light, and
-/// of the total every replicate, means, and what a window holds.
-std::uint64_t series_of_estimate(const api::LightingOptions& lighting);
+/// The same of the estimate, on its own patches: radiosity, 1; direct light of each solution, G. Mode
+/// `default`: of what is interpolated (each solution, or all light together) the replicates and their mean,
+/// 9 each. Besides, a window's light, 6, or later what errors are weighed with, 1 each and 1.
+std::uint64_t series_of_estimate(const api::LightingOptions& lighting, std::uint64_t groups);
 
 /// Objects and cameras times frames, some 100 bytes each. patches.npz then stays below its 4 GiB.
 inline constexpr std::uint64_t kPosesMax = 10'000'000;
@@ -31,7 +34,7 @@ inline constexpr double kImageSamplesMax = 2e11;
 api::Status check_request_size(const api::JobRequest& request, std::size_t object_count);
 
 /// Patches that the layout `adaptive` may use: patch_count_max, and no more than a run can hold.
-std::uint64_t patch_budget(const api::JobRequest& request);
+std::uint64_t patch_budget(const api::JobRequest& request, const Scene& scene, const Animation& animation);
 
 struct MeshSizes {
   PatchCount fine;                   ///< of the lighting; layout `adaptive`: the most it can come to
@@ -42,6 +45,7 @@ struct MeshSizes {
 /// Errors: out_of_resources as above, where either is more than kPatchesMax or more than a run can hold in
 /// `request.frame_count` frames (layout `adaptive`: at its coarsest, or more than patch_count_max);
 /// invalid_request where no polygon has an area.
-api::Result<MeshSizes> check_mesh_size(const api::JobRequest& request, const Scene& scene);
+api::Result<MeshSizes> check_mesh_size(const api::JobRequest& request, const Scene& scene,
+                                       const Animation& animation);
 
 }  // namespace engine

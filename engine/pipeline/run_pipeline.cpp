@@ -45,7 +45,7 @@ api::Result<PreparedJob> prepare(const api::JobRequest& request, const std::file
   Animation animation = animate(*scene, request);
   if (auto s = check_light_groups(*scene, animation, request, report.warnings); !s) return s.error();
   if (auto s = check_poses(*scene, animation, report.warnings); !s) return s.error();
-  const auto meshes = check_mesh_size(request, *scene);
+  const auto meshes = check_mesh_size(request, *scene, animation);
   if (!meshes) return meshes.error();
   count_scene(*scene, meshes->fine, request.frame_count, report);
   const JobSize size = size_of_job(request, *scene, animation, meshes->fine.patches, meshes->coarse_patches);
@@ -80,7 +80,8 @@ api::Result<Patches> cut_into_patches(const PreparedJob& job, const api::JobRequ
                                       const Progress& progress, JobSize& size, api::JobReport& report) {
   if (request.lighting.patch_layout == api::PatchLayout::uniform)
     return mesh_into_patches(job.scene, request.lighting.patch_edge_m);
-  auto refined = refine_patches(job.scene, job.animation, request.lighting, patch_budget(request), progress);
+  const std::uint64_t budget = patch_budget(request, job.scene, job.animation);
+  auto refined = refine_patches(job.scene, job.animation, request.lighting, budget, progress);
   if (!refined) return refined.error();
   size.patches = refined->patches.count();
   for (auto& [name, value] : report.counts)

@@ -209,9 +209,7 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   const api::LightingOptions options = made_consistent(asked);
   if (options.mode == api::LightingMode::frame_by_frame)
     return solve_alone(lit, options, clock, report, checkpoints);
-  // Curves of brightness are worth a solution of their own only where they save key-frames.
-  auto groups = light_groups(lit.scene, lit.animation, options.light_groups,
-                             fills_between(options) ? kScaledGroupsMax : 0);
+  auto groups = solved_groups(lit.scene, lit.animation, options);
   auto chosen = choose_key_frames(lit, groups, options, checkpoints, clock, report);
   if (!chosen) return chosen.error();
   clock.frames_to_solve(static_cast<std::uint32_t>(chosen->solved.size()));

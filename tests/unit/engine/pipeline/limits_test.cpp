@@ -37,6 +37,24 @@ Scene field() {
   return scene;
 }
 
+/// Of the field, the first `blinking` of its four lamps each with a curve of its own.
+Animation lamps(std::uint32_t frames, std::uint32_t blinking = 0) {
+  Animation animation = tests::still(field(), frames);
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    SourceMotion lamp{
+        "lamp" + std::to_string(k), api::LightType::point, {{}}, {{0, 0, -1}}, {{1, 1, 1}}, 1, 1};
+    if (k < blinking)
+      for (FrameIndex f = 1; f < frames; ++f)
+        lamp.intensity.push_back(Rgb{1, 1, 1} * (1.0f / static_cast<float>(1 + (f + k) % 7)));
+    animation.emission.sources.push_back(lamp);
+  }
+  return animation;
+}
+
+api::Result<MeshSizes> size_of(const api::JobRequest& request, std::uint32_t blinking = 0) {
+  return check_mesh_size(request, field(), lamps(request.frame_count, blinking));
+}
+
 TEST(RequestSize, ADefaultJobIsAccepted) {
   EXPECT_EQ(refused_at(check_request_size(job_of(2000), 3)), "accepted");
 }
@@ -77,29 +95,56 @@ TEST(MeshSize, PatchesTimesFramesAreRefusedBeyondTheMemoryOfASeries) {
   auto request = job_of(100);
   request.lighting.patch_edge_m = 1;  // 1,000,000 patches x 100 frames x 12 bytes x 10 series = 11.2 GiB
   request.lighting.estimate_patch_edge_m = 100;
-  const auto count = check_mesh_size(request, field());
+  const auto count = size_of(request);
   EXPECT_EQ(refused_at(count), "accepted");
   EXPECT_EQ(count->fine.patches, 1'000'000u);
-  request.lighting.light_groups = {{"lamps", {"lamp"}}};  // 16 series
-  EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/patch_edge_m");
+  request.lighting.light_groups = {{"lamps", {"lamp0"}}};  // 16 series
+  EXPECT_EQ(refused_at(size_of(request)), "/lighting/patch_edge_m");
   request.lighting.light_groups.clear();
   request.frame_count = 108;  // 12.07 GiB
-  EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/patch_edge_m");
+  EXPECT_EQ(refused_at(size_of(request)), "/lighting/patch_edge_m");
+}
+
+// Each curve of brightness is a solution, three of them at most, where only indirect light is interpolated.
+TEST(MeshSize, LampsThatBlinkOnTheirOwnAreSolutionsMore) {
+  auto request = job_of(100);
+  request.lighting.patch_edge_m = 100;
+  request.lighting.estimate_patch_edge_m = 1.3;  // 592,900 patches x 100 frames x 12 bytes: .663 GiB
+  EXPECT_EQ(refused_at(size_of(request)), "accepted") << "17 of these are 11.3 GiB";
+  EXPECT_EQ(refused_at(size_of(request, 1)), "/lighting/estimate_patch_edge_m") << "27 are 17.9 GiB";
+  request.lighting.interpolated = api::Interpolated::total;
+  EXPECT_EQ(refused_at(size_of(request, 1)), "accepted");
+  request.lighting.interpolated = api::Interpolated::indirect;
+  request.lighting.estimate_patch_edge_m = 100;
+  request.lighting.patch_edge_m = 1.1;  // 828,100 patches: .925 GiB each
+  EXPECT_EQ(refused_at(size_of(request)), "accepted") << "10 of these are 9.3 GiB";
+  EXPECT_EQ(refused_at(size_of(request, 1)), "/lighting/patch_edge_m") << "14 are 13 GiB";
+}
+
+TEST(MeshSize, SeriesOfTheEstimateAreThoseThatItHolds) {
+  api::LightingOptions lighting;
+  EXPECT_EQ(series_of_estimate(lighting, 1), 17u);  // B, direct, 9 compared, a window's 6
+  EXPECT_EQ(series_of_estimate(lighting, 4), 47u);
+  EXPECT_EQ(series_of_estimate(lighting, 8), 90u);  // 8 + 1 of weights, when the windows' are gone
+  lighting.interpolated = api::Interpolated::total;
+  EXPECT_EQ(series_of_estimate(lighting, 4), 20u);
+  lighting.mode = api::LightingMode::paper;
+  EXPECT_EQ(series_of_estimate(lighting, 1), 8u);
 }
 
 TEST(MeshSize, TheEstimatesMeshHasALimitOfItsOwnWhereTheModeHasAnEstimate) {
   auto request = job_of(100);
   request.lighting.patch_edge_m = 100;
   request.lighting.estimate_patch_edge_m = 1;
-  EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/estimate_patch_edge_m");
+  EXPECT_EQ(refused_at(size_of(request)), "/lighting/estimate_patch_edge_m");
   request.lighting.mode = api::LightingMode::reference;
-  EXPECT_EQ(refused_at(check_mesh_size(request, field())), "accepted");
+  EXPECT_EQ(refused_at(size_of(request)), "accepted");
 }
 
 TEST(MeshSize, AMeshOfATrillionPatchesIsRefusedWithoutMakingIt) {
   auto request = job_of(1);
   request.lighting.patch_edge_m = 1e-3;
-  EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/patch_edge_m");
+  EXPECT_EQ(refused_at(size_of(request)), "/lighting/patch_edge_m");
 }
 
 // Coarse edges of 2 m: 500 x 500 cells, each of them 64 patches at most.
@@ -109,9 +154,9 @@ TEST(MeshSize, TheAdaptiveLayoutIsRefusedWhereItsCoarsestMeshIsMoreThanAskedFor)
   request.lighting.patch_edge_m = 1;
   request.lighting.patch_count_max = 249'999;
   request.lighting.estimate_patch_edge_m = 100;
-  EXPECT_EQ(refused_at(check_mesh_size(request, field())), "/lighting/patch_count_max");
+  EXPECT_EQ(refused_at(size_of(request)), "/lighting/patch_count_max");
   request.lighting.patch_count_max = 250'000;
-  EXPECT_EQ(refused_at(check_mesh_size(request, field())), "accepted");
+  EXPECT_EQ(refused_at(size_of(request)), "accepted");
 }
 
 TEST(MeshSize, TheAdaptiveLayoutCountsTheMostItCanComeTo) {
@@ -120,12 +165,12 @@ TEST(MeshSize, TheAdaptiveLayoutCountsTheMostItCanComeTo) {
   request.lighting.patch_edge_m = 10;
   request.lighting.patch_count_max = 30'000;
   request.lighting.estimate_patch_edge_m = 100;
-  EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 30'000u);
+  EXPECT_EQ(size_of(request)->fine.patches, 30'000u);
   request.lighting.patch_count_max = 1'000'000;
-  EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 160'000u);  // all of them of 2.5 m
-  request.frame_count = 10'000;                                          // 12 GiB of 10 x 12 bytes each
-  EXPECT_EQ(check_mesh_size(request, field())->fine.patches, 10'737u);
-  EXPECT_EQ(patch_budget(request), 10'737u);
+  EXPECT_EQ(size_of(request)->fine.patches, 160'000u);  // all of them of 2.5 m
+  request.frame_count = 10'000;                         // 12 GiB of 10 x 12 bytes each
+  EXPECT_EQ(size_of(request)->fine.patches, 10'737u);
+  EXPECT_EQ(patch_budget(request, field(), lamps(request.frame_count)), 10'737u);
 }
 
 }  // namespace
