@@ -17,6 +17,9 @@ std::uint64_t seed_of(const DirectOptions& options, std::uint32_t replicate, Pat
 /// Streams of the draws among many lights and of the points that lights share, beside those of single lights.
 constexpr std::uint32_t kStaticStream = 0xffffffffu, kMovingStream = 0xfffffffeu, kSharedStream = 0xfffffffdu;
 
+/// A ray asks a tree in the time it takes to look at about so many facets, sixteen rays at once.
+constexpr std::size_t kFacetsPerRay = 4;
+
 /// Uniform in [0, 1): where in part `index` of the row of probabilities a light is drawn.
 double place_in_part(std::uint32_t index, std::uint64_t seed) {
   return static_cast<double>(mix(~seed + index) >> 11) * 0x1p-53;
@@ -173,7 +176,7 @@ void PatchLighter::add_samples(const Sight& sight, std::uint32_t first_replicate
     if (unblocked == 0) continue;
     Rgb* row = sums_.of(first_replicate + r);
     if (sight.rests) sums_.at_rest(first_replicate + r) += sight.brightness.mean * unblocked;
-    if (shadows_.contents.moving_empty()) {
+    if (shadows_.contents.none_moving()) {
       add(sight.brightness, unblocked, sight.slots, row);
       continue;
     }
@@ -188,9 +191,10 @@ void PatchLighter::look_between(const Sight& sight) {
   const ShaftEnd here = end_at(sight.receiver, sight.pose.roughness);
   const Shaft shaft(here, end_at(sight.pose, here, sight.receiver.roughness, window_.reach_m));
   shadows_.contents.clear();
-  window_.static_occluders->collect(shaft, shadows_.contents);
+  window_.static_occluders->collect(shaft, kFacetsPerRay * samples_.factor.size(), shadows_.contents);
   if (!sight.slots.empty())
-    window_.moving_occluders->collect(shaft, sight.slots.begin, sight.slots.end - 1, shadows_.contents);
+    window_.moving_occluders->collect(shaft, sight.receiver.is_static, sight.slots.begin, sight.slots.end - 1,
+                                      shadows_.contents);
 }
 
 /// Clears the factors of samples that what rests blocks, and sums those that what moves blocks in a slot.
@@ -203,12 +207,12 @@ void PatchLighter::cast_shadows(const Sight& sight, std::uint32_t count) {
     shadows_.set(k, sight.arrivals.shadow(samples_.point(k),
                                           {samples_.light_a[k], samples_.light_b[k], samples_.piece[k]}));
   }
-  shadows_.cast(sight.slots.end);
+  shadows_.cast(sight.slots);
   for (std::size_t k = 0; k < factor.size(); ++k)
     if (shadows_.blocked_at_rest(k)) factor[k] = 0;
-  if (shadows_.contents.moving_empty()) return;
+  if (shadows_.contents.none_moving()) return;
   blocked_.assign(factor.size() / count * kWindowMax, 0.0f);
-  shadows_.each_blocked(sight.slots.end, [&](std::size_t k, std::uint32_t slot) {
+  shadows_.each_blocked(sight.slots, [&](std::size_t k, std::uint32_t slot) {
     blocked_[k / count * kWindowMax + slot] += factor[k];
   });
 }

@@ -21,19 +21,20 @@ void Shadows::begin(std::size_t count) {
   moving_.resize(blocks * kWindowMax);
 }
 
-void Shadows::cast(std::uint32_t slot_count) {
+void Shadows::cast(Slots slots) {
   for (std::size_t block = 0; block < lanes_.size(); ++block) {
     const std::uint32_t every = lanes_in(rays_.size(), block);
     cast_at_rest(block, every);
-    std::fill_n(moving_.begin() + static_cast<std::ptrdiff_t>(block * kWindowMax), slot_count, 0u);
+    std::uint32_t* of_slot = moving_.data() + block * kWindowMax;
+    std::fill(of_slot + slots.begin, of_slot + std::max(slots.begin, slots.end), 0u);
     const std::uint32_t open = every & ~at_rest_[block];
-    if (open != 0 && !contents.moving_empty()) cast_moving(block, open);
+    if (open != 0 && !contents.none_moving()) cast_moving(block, open, slots);
   }
 }
 
 void Shadows::cast_at_rest(std::size_t block, std::uint32_t every) {
   std::uint32_t& blocked = at_rest_[block];
-  if (contents.at_rest.size() <= kAtRestMax) {
+  if (!contents.many_at_rest) {
     for (std::size_t k = 0; k < contents.at_rest.size() && blocked != every; ++k)
       blocked |= every & crossed_by(*contents.at_rest[k], lanes_[block]);
     return;
@@ -43,19 +44,29 @@ void Shadows::cast_at_rest(std::size_t block, std::uint32_t every) {
       blocked |= 1u << k;
 }
 
-void Shadows::cast_moving(std::size_t block, std::uint32_t open) {
-  std::uint32_t* of_slot = moving_.data() + block * kWindowMax;
+void Shadows::cast_moving(std::size_t block, std::uint32_t open, Slots slots) {
+  if (contents.many_moving) return ask_moving_rays(block, open, slots);
   for (const Occluder* facet : contents.moving) {
     const std::uint32_t blocked = open & crossed_by(*facet, lanes_[block]);
     if (blocked == 0) continue;
-    for (std::uint32_t slot = facet->first_slot; slot <= facet->last_slot; ++slot) of_slot[slot] |= blocked;
+    const std::uint32_t end = std::min(slots.end, facet->last_slot + 1);
+    for (std::uint32_t slot = std::max(slots.begin, facet->first_slot); slot < end; ++slot)
+      moving_[block * kWindowMax + slot] |= blocked;
   }
-  if ((contents.crowded.bits[0] | contents.crowded.bits[1]) == 0) return;
+}
+
+void Shadows::ask_moving_rays(std::size_t block, std::uint32_t open, Slots slots) {
+  const bool one_slot = slots.begin + 1 == slots.end;
   for (std::size_t k = 0; k < RayLanes::kCount; ++k) {
     if (((open >> k) & 1) == 0) continue;
-    const SlotMask blocked = moving_rays_->blocked(rays_[block * RayLanes::kCount + k]);
-    for (std::uint32_t slot = 0; slot < kWindowMax; ++slot)
-      if (contents.crowded.test(slot) && blocked.test(slot)) of_slot[slot] |= 1u << k;
+    const Ray& ray = rays_[block * RayLanes::kCount + k];
+    SlotMask blocked;
+    if (!one_slot)
+      blocked = moving_rays_->blocked(ray);
+    else if (moving_rays_->occluded(ray, slots.begin))
+      blocked.set(slots.begin, slots.begin);
+    for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot)
+      if (blocked.test(slot)) moving_[block * kWindowMax + slot] |= 1u << k;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <vector>
 
+#include "engine/direct/window_lights.h"
 #include "engine/visibility/occluders.h"
 
 namespace engine {
@@ -17,7 +18,7 @@ class Shadows {
 
   ShaftContents contents;  ///< what may stand between; to be filled
 
-  bool none() const { return contents.at_rest.empty() && contents.moving_empty(); }
+  bool none() const { return contents.none_at_rest() && contents.none_moving(); }
 
   /// Begins with `count` rays, all of them unblocked.
   void begin(std::size_t count);
@@ -26,28 +27,26 @@ class Shadows {
     lanes_[k / RayLanes::kCount].set(k % RayLanes::kCount, ray);
   }
 
-  /// Finds what the contents block. Each verdict is that of one ray and one facet, whatever else is looked
-  /// at.
-  void cast(std::uint32_t slot_count);
+  /// Finds what the contents block, in `slots`. Each verdict is that of one ray and one facet, whatever else
+  /// is looked at.
+  void cast(Slots slots);
 
   bool blocked_at_rest(std::size_t k) const {
     return (at_rest_[k / RayLanes::kCount] >> (k % RayLanes::kCount)) & 1;
   }
   /// Calls use(k, slot) for every ray that passes what rests and that something that moves blocks there.
   template <class Use>
-  void each_blocked(std::uint32_t slot_count, Use&& use) const {
+  void each_blocked(Slots slots, Use&& use) const {
     for (std::size_t block = 0; block < lanes_.size(); ++block)
-      for (std::uint32_t slot = 0; slot < slot_count; ++slot)
+      for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot)
         for (std::uint32_t bits = moving_[block * kWindowMax + slot]; bits != 0; bits &= bits - 1)
           use(block * RayLanes::kCount + static_cast<std::size_t>(std::countr_zero(bits)), slot);
   }
 
  private:
   void cast_at_rest(std::size_t block, std::uint32_t every);
-  void cast_moving(std::size_t block, std::uint32_t open);
-
-  /// Facets at rest beyond which a tree is asked instead.
-  static constexpr std::size_t kAtRestMax = 128;
+  void cast_moving(std::size_t block, std::uint32_t open, Slots slots);
+  void ask_moving_rays(std::size_t block, std::uint32_t open, Slots slots);
 
   const StaticRays& static_rays_;
   const MovingRays* moving_rays_;

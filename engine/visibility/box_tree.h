@@ -29,7 +29,7 @@ class BoxTree {
   std::span<const Leaf> leaves() const { return leaves_; }
 
   /// Calls use(Leaf) for every leaf whose box `may_meet(Box)`, as do those of all nodes above it, in the
-  /// order of the tree.
+  /// order of the tree, as long as it answers true.
   template <class MayMeet, class Use>
   void each_leaf(MayMeet&& may_meet, Use&& use) const {
     for (std::uint32_t n = 0; n < nodes_.size();) {
@@ -38,7 +38,7 @@ class BoxTree {
         n = node.beyond;
         continue;
       }
-      if (node.leaf != kInner) use(leaves_[node.leaf]);
+      if (node.leaf != kInner && !use(leaves_[node.leaf])) return;
       ++n;
     }
   }

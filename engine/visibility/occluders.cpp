@@ -75,10 +75,12 @@ StaticOccluders::StaticOccluders(const std::vector<Occluder>& facets)
     }
 }
 
-void StaticOccluders::collect(const Shaft& shaft, ShaftContents& contents) const {
+void StaticOccluders::collect(const Shaft& shaft, std::size_t most, ShaftContents& contents) const {
   tree_.each_leaf([&](const Box& box) { return shaft.may_meet(box); },
                   [&](const BoxTree::Leaf& leaf) {
                     list(shaft.may_meet(lanes_[leaf.number]), facets_.data() + leaf.first, contents.at_rest);
+                    contents.many_at_rest = contents.at_rest.size() > most;
+                    return !contents.many_at_rest;
                   });
 }
 
@@ -94,6 +96,7 @@ std::vector<Box> MovingOccluders::place(const Patches& patches, const Animation&
   for (std::size_t o = 0; o < of_object.size(); ++o) {
     const ObjectMotion& motion = animation.objects[o];
     if (of_object[o].empty() || motion.is_static(animation.frame_count)) continue;
+    moving_facets_ += of_object[o].size();
     for (const PlacedRange& range : placed_ranges(motion, frames)) {
       for (std::uint32_t s = range.first_slot; s <= range.last_slot; ++s)
         in_slot_[s].push_back(static_cast<std::uint32_t>(objects_.size()));
@@ -113,7 +116,7 @@ MovingOccluders::PlacedObject MovingOccluders::place(const std::vector<const Fac
     facet.last_slot = range.last_slot;
     const Box box = box_of(facet.corners);
     object.box = f == 0 ? box : join(object.box, box);
-    if (facets.size() > kFacetsMax) continue;
+    if (facets.size() > kOfObjectMax) continue;
     if (f % FacetLanes::kCount == 0) lanes_.emplace_back();
     lanes_.back().set(f % FacetLanes::kCount, facet.corners, facet.normal);
     facets_.push_back(facet);
@@ -124,23 +127,27 @@ MovingOccluders::PlacedObject MovingOccluders::place(const std::vector<const Fac
   return object;
 }
 
-void MovingOccluders::collect(const Shaft& shaft, std::uint32_t first_slot, std::uint32_t last_slot,
-                              ShaftContents& contents) const {
-  if (first_slot == last_slot) {
+void MovingOccluders::collect(const Shaft& shaft, bool one_place, std::uint32_t first_slot,
+                              std::uint32_t last_slot, ShaftContents& contents) const {
+  if (first_slot == last_slot && !one_place) {
     for (const std::uint32_t o : in_slot_[first_slot])
-      if (shaft.may_meet(objects_[o].box)) collect(objects_[o], shaft, contents);
+      if (shaft.may_meet(objects_[o].box)) list_facets(objects_[o], shaft, contents);
     return;
   }
+  const bool listed = !one_place || moving_facets_ <= kOfAllMax;
   tree_.each_leaf([&](const Box& box) { return shaft.may_meet(box); },
                   [&](const BoxTree::Leaf& leaf) {
                     const PlacedObject& object = objects_[tree_.order()[leaf.first]];
-                    if (object.first_slot <= last_slot && first_slot <= object.last_slot)
-                      collect(object, shaft, contents);
+                    if (object.last_slot < first_slot || last_slot < object.first_slot) return true;
+                    if (listed) list_facets(object, shaft, contents);
+                    contents.many_moving = contents.many_moving || !listed;
+                    return listed;
                   });
 }
 
-void MovingOccluders::collect(const PlacedObject& object, const Shaft& shaft, ShaftContents& contents) const {
-  if (object.first_block == object.end_block) contents.crowded.set(object.first_slot, object.last_slot);
+void MovingOccluders::list_facets(const PlacedObject& object, const Shaft& shaft,
+                                  ShaftContents& contents) const {
+  if (object.first_block == object.end_block) contents.many_moving = true;
   for (std::uint32_t b = object.first_block; b < object.end_block; ++b)
     list(shaft.may_meet(lanes_[b]), facets_.data() + std::size_t{b} * FacetLanes::kCount, contents.moving);
 }

@@ -37,14 +37,16 @@ std::uint32_t crossed_by(const Occluder& facet, const RayLanes& rays);
 /// What is found in a shaft.
 struct ShaftContents {
   std::vector<const Occluder*> at_rest, moving;
-  SlotMask crowded;  ///< slots with a moving object of so many facets that they are not listed
+  bool many_at_rest = false;  ///< too many to be listed: trees are asked for every ray instead
+  bool many_moving = false;
 
   void clear() {
     at_rest.clear();
     moving.clear();
-    crowded = {};
+    many_at_rest = many_moving = false;
   }
-  bool moving_empty() const { return moving.empty() && (crowded.bits[0] | crowded.bits[1]) == 0; }
+  bool none_at_rest() const { return at_rest.empty() && !many_at_rest; }
+  bool none_moving() const { return moving.empty() && !many_moving; }
 };
 
 /// The facets that never move.
@@ -52,8 +54,9 @@ class StaticOccluders {
  public:
   StaticOccluders(const Patches& patches, const Animation& animation);
 
-  /// Adds those that may meet the shaft: no others block a ray in it.
-  void collect(const Shaft& shaft, ShaftContents& contents) const;
+  /// Lists those that may meet the shaft: no others block a ray in it; or says that they are more than
+  /// `most`.
+  void collect(const Shaft& shaft, std::size_t most, ShaftContents& contents) const;
 
  private:
   explicit StaticOccluders(const std::vector<Occluder>& facets);
@@ -68,8 +71,10 @@ class MovingOccluders {
  public:
   MovingOccluders(const Patches& patches, const Animation& animation, std::span<const FrameIndex> frames);
 
-  /// Adds those that may meet the shaft in some slot of [first_slot, last_slot].
-  void collect(const Shaft& shaft, std::uint32_t first_slot, std::uint32_t last_slot,
+  /// Lists those that may meet the shaft in some slot of [first_slot, last_slot], or says that there are
+  /// many. A shaft of all frames from `one_place` lists them only where few facets move; one that follows
+  /// what moves meets few poses. Whether they are listed does not depend on the window.
+  void collect(const Shaft& shaft, bool one_place, std::uint32_t first_slot, std::uint32_t last_slot,
                ShaftContents& contents) const;
 
  private:
@@ -82,11 +87,12 @@ class MovingOccluders {
   std::vector<Box> place(const Patches& patches, const Animation& animation,
                          std::span<const FrameIndex> frames);
   PlacedObject place(const std::vector<const Facet*>& facets, const PlacedRange& range);
-  void collect(const PlacedObject& object, const Shaft& shaft, ShaftContents& contents) const;
+  void list_facets(const PlacedObject& object, const Shaft& shaft, ShaftContents& contents) const;
 
-  /// Facets of an object beyond which rays go to a tree instead.
-  static constexpr std::size_t kFacetsMax = 256;
+  /// Facets of an object, and of all that moves in the way of shafts from one place: beyond these trees win.
+  static constexpr std::size_t kOfObjectMax = 256, kOfAllMax = 64;
 
+  std::size_t moving_facets_ = 0;  ///< of all objects, each once
   std::vector<Occluder> facets_;   ///< sixteen to a block, the last one of an object filled up
   std::vector<FacetLanes> lanes_;  ///< [block]
   std::vector<PlacedObject> objects_;

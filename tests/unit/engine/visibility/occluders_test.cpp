@@ -48,8 +48,8 @@ TEST(Occluders, StopTheRaysThatTheTreesSayAreStopped) {
   for (int k = 0; k < 5000; ++k) {
     const Ray ray = random.next();
     ShaftContents contents;
-    at_rest.collect(shaft_along(ray, 0.05f), contents);
-    moving.collect(shaft_along(ray, 0.05f), 0, 11, contents);
+    at_rest.collect(shaft_along(ray, 0.05f), 1000, contents);
+    moving.collect(shaft_along(ray, 0.05f), true, 0, 11, contents);
     bool rests = false;
     const SlotMask mask = stopped(contents, ray, rests);
     ASSERT_EQ(rests, room.static_rays.occluded(ray)) << k;
@@ -58,7 +58,7 @@ TEST(Occluders, StopTheRaysThatTheTreesSayAreStopped) {
     moving_count += mask.bits[0] != 0 ? 1 : 0;
     for (const std::uint32_t slot : {0u, 7u}) {
       ShaftContents alone;
-      moving.collect(shaft_along(ray, 0.05f), slot, slot, alone);
+      moving.collect(shaft_along(ray, 0.05f), false, slot, slot, alone);
       bool none = false;
       ASSERT_EQ(stopped(alone, ray, none).test(slot), rays.occluded(ray, slot)) << k;
     }
@@ -67,20 +67,30 @@ TEST(Occluders, StopTheRaysThatTheTreesSayAreStopped) {
   EXPECT_GT(moving_count, 100);
 }
 
-TEST(Occluders, ObjectsOfVeryManyFacetsCrowdTheirSlots) {
+TEST(Occluders, VeryManyAreNotListed) {
   const World room = moving_room();
-  Patches many = room.patches;
   std::uint32_t mover = 0;
   for (const Facet& facet : room.patches.facets)
     if (!room.animation.objects[facet.object].is_static(12)) mover = facet.object;
   ASSERT_NE(mover, 0u);
-  for (const Facet& facet : room.patches.facets)
-    for (int copy = 0; facet.object == mover && copy < 300; ++copy) many.facets.push_back(facet);
-  const MovingOccluders moving(many, room.animation, room.all_frames());
-  ShaftContents contents;
-  moving.collect(shaft_along({{-9, 0, 0}, {18, 0, 0}}, 9), 0, 11, contents);
-  EXPECT_NE(contents.crowded.bits[0], 0u);
-  EXPECT_FALSE(contents.moving_empty());
+  const Shaft shaft = shaft_along({{-9, 0, 0}, {18, 0, 0}}, 9);
+  // As many copies of every facet of an object: so many that all have them, and that one object has them.
+  for (const int copies : {0, 20, 300}) {
+    Patches many = room.patches;
+    for (const Facet& facet : room.patches.facets)
+      for (int copy = 0; facet.object == mover && copy < copies; ++copy) many.facets.push_back(facet);
+    const MovingOccluders moving(many, room.animation, room.all_frames());
+    ShaftContents from_one_place, following;
+    moving.collect(shaft, true, 0, 11, from_one_place);
+    moving.collect(shaft, false, 3, 3, following);
+    EXPECT_EQ(from_one_place.many_moving, copies > 0);
+    EXPECT_EQ(following.many_moving, copies == 300);
+    EXPECT_FALSE(from_one_place.none_moving());
+    EXPECT_FALSE(following.none_moving());
+  }
+  ShaftContents at_rest;
+  StaticOccluders(room.patches, room.animation).collect(shaft, 2, at_rest);
+  EXPECT_TRUE(at_rest.many_at_rest);
 }
 
 }  // namespace

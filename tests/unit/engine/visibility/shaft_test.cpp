@@ -137,6 +137,7 @@ TEST(BoxTree, FindsEveryBoxThatIsMetOnce) {
     std::vector<int> met(boxes.size());
     tree.each_leaf(left, [&](const BoxTree::Leaf& leaf) {
       for (std::uint32_t k = leaf.first; k < leaf.end; ++k) ++met[tree.order()[k]];
+      return true;
     });
     for (std::size_t k = 0; k < boxes.size(); ++k) {
       EXPECT_LE(met[k], 1);
