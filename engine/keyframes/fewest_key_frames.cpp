@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
+#include <utility>
 
 namespace engine {
 
@@ -43,6 +45,42 @@ api::Result<std::vector<api::FrameIndex>> fewest_key_frames(std::uint32_t frame_
   while (keys.back() != 0) keys.push_back(from[keys.back()]);
   std::reverse(keys.begin(), keys.end());
   return keys;
+}
+
+api::Result<std::vector<api::FrameIndex>> fewest_key_frames(std::uint32_t frame_count,
+                                                            const MaySkip& seems_to, const MaySkip& may_skip,
+                                                            const std::vector<api::FrameIndex>& forced,
+                                                            const Progress& progress) {
+  std::set<std::pair<api::FrameIndex, api::FrameIndex>> skipped;
+  std::vector<bool> refused(std::size_t{frame_count} * kIntervalMax);
+  const auto refusal = [&](api::FrameIndex a, api::FrameIndex b) {
+    return refused[std::size_t{a} * kIntervalMax + (b - a - 1)];
+  };
+  const MaySkip seems = [&](api::FrameIndex a, api::FrameIndex b) {
+    if (refusal(a, b)) return false;
+    const bool does = seems_to(a, b);
+    refusal(a, b) = !does;
+    return does;
+  };
+  // How many searches it takes is not known: each is told as half of what is left.
+  for (double done = 0;; done = (1 + done) / 2) {
+    auto keys = fewest_key_frames(frame_count, seems, forced, part_of(progress, done, (1 + done) / 2));
+    if (!keys) return keys;
+    bool all = true;
+    for (std::size_t k = 1; k < keys->size(); ++k) {
+      if (progress.stop_requested())
+        return api::Error{api::Fault::stopped, "stopped while choosing key-frames"};
+      const std::pair between((*keys)[k - 1], (*keys)[k]);
+      if (skipped.contains(between)) continue;
+      if (may_skip(between.first, between.second)) {
+        skipped.insert(between);
+      } else {
+        refusal(between.first, between.second) = true;
+        all = false;
+      }
+    }
+    if (all) return keys;
+  }
 }
 
 }  // namespace engine

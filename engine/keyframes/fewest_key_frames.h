@@ -31,4 +31,12 @@ api::Result<std::vector<api::FrameIndex>> fewest_key_frames(std::uint32_t frame_
                                                             const std::vector<api::FrameIndex>& forced,
                                                             const Progress& progress);
 
+/// The same keys where `may_skip` takes long: it is asked only about intervals between keys that were found
+/// by `seems_to`, which is quick and true wherever `may_skip` is; until it refuses none of them. `seems_to`
+/// may learn from what `may_skip` refused.
+api::Result<std::vector<api::FrameIndex>> fewest_key_frames(std::uint32_t frame_count,
+                                                            const MaySkip& seems_to, const MaySkip& may_skip,
+                                                            const std::vector<api::FrameIndex>& forced,
+                                                            const Progress& progress);
+
 }  // namespace engine

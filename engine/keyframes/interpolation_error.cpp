@@ -107,14 +107,25 @@ float InterpolationError::of_patch(PatchId patch, api::FrameIndex a, api::FrameI
   return error * relative_[row];
 }
 
-bool InterpolationError::within(api::FrameIndex a, api::FrameIndex b, double tolerance, Evidence evidence) {
-  for (std::size_t k = 0; k < refused_first_.size(); ++k)
+bool InterpolationError::refuses(std::size_t first, std::size_t end, api::FrameIndex a, api::FrameIndex b,
+                                 double tolerance, Evidence evidence) {
+  for (std::size_t k = first; k < end; ++k)
     for (api::FrameIndex f = a + 1; f < b; ++f)
       if (of_patch(refused_first_[k], a, f, b, evidence) > tolerance) {
-        std::swap(refused_first_[k], refused_first_[k / 2]);
-        return false;
+        const std::size_t to = k < refusing_ ? k / 2 : refusing_++;
+        std::swap(refused_first_[k], refused_first_[to]);
+        return true;
       }
-  return true;
+  return false;
+}
+
+bool InterpolationError::seems_within(api::FrameIndex a, api::FrameIndex b, double tolerance,
+                                      Evidence evidence) {
+  return !refuses(0, refusing_, a, b, tolerance, evidence);
+}
+
+bool InterpolationError::within(api::FrameIndex a, api::FrameIndex b, double tolerance, Evidence evidence) {
+  return !refuses(0, refused_first_.size(), a, b, tolerance, evidence);
 }
 
 std::vector<double> InterpolationError::largest(std::span<const api::FrameIndex> knots,

@@ -40,6 +40,10 @@ class InterpolationError {
   /// is not: patches that refused before are asked first.
   bool within(api::FrameIndex a, api::FrameIndex b, double tolerance, Evidence evidence);
 
+  /// The same of those patches alone that `within` has found to refuse some interval: quick, and true
+  /// wherever `within` is.
+  bool seems_within(api::FrameIndex a, api::FrameIndex b, double tolerance, Evidence evidence);
+
   /// Largest e over the patches, [frame], interpolated from `knots` (increasing, first and last frame
   /// included); by the mean of the replicates. As the solution interpolates: all light over the whole
   /// sequence; indirect light window by window (shared_frames, which are knots then), so that a cubic has
@@ -47,6 +51,9 @@ class InterpolationError {
   std::vector<double> largest(std::span<const api::FrameIndex> knots, api::Interpolation interpolation) const;
 
  private:
+  /// Is some frame between missed by more? Patches refused_first_[first, end) are asked.
+  bool refuses(std::size_t first, std::size_t end, api::FrameIndex a, api::FrameIndex b, double tolerance,
+               Evidence evidence);
   float of_patch(PatchId patch, api::FrameIndex a, api::FrameIndex f, api::FrameIndex b,
                  Evidence evidence) const;
 
@@ -56,6 +63,7 @@ class InterpolationError {
   std::vector<Rgb> weights_;            ///< rho scale, [patch][frame][group]
   std::vector<float> relative_;         ///< 1 / max(max_c B, mean B / 2), [patch][frame]
   std::vector<PatchId> refused_first_;  ///< all patches, those that refused lately in front
+  std::size_t refusing_ = 0;            ///< of these, those that ever refused
 };
 
 }  // namespace engine

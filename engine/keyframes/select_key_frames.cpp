@@ -41,10 +41,12 @@ class Search {
         forced_(forced) {}
 
   api::Result<Frames> keys(Evidence evidence, const Progress& progress) {
+    const double tolerance = kAim * options_.tolerance;
     return fewest_key_frames(
         error_.frame_count(),
-        [&](FrameIndex a, FrameIndex b) { return error_.within(a, b, kAim * options_.tolerance, evidence); },
-        forced_, progress);
+        [&](FrameIndex a, FrameIndex b) { return error_.seems_within(a, b, tolerance, evidence); },
+        [&](FrameIndex a, FrameIndex b) { return error_.within(a, b, tolerance, evidence); }, forced_,
+        progress);
   }
 
   std::vector<double> errors(const Frames& keys) const {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <utility>
 
 #include "tests/unit/engine/keyframes/series.h"
 
@@ -123,6 +124,45 @@ TEST(FewestKeyFrames, NoOtherSetOfFewerKeysKeepsTheToleranceOnRandomSeries) {
     }
   }
   EXPECT_GT(different, 40u);
+}
+
+// Many curves, of which a few decide; the quick answer knows those that have refused.
+TEST(FewestKeyFrames, AreTheSameByAQuickAnswerThatLearnsFromTheSlowOne) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> step(-0.3f, 0.3f);
+  for (int k = 0; k < 20; ++k) {
+    std::vector<Curve> curves;
+    for (int c = 0; c < 12; ++c) {
+      float now = 2;
+      curves.push_back(curve_of(300, [&](auto) { return now += (c + k) % 4 == 0 ? step(random) : 0.001f; }));
+    }
+    std::vector<bool> known(curves.size(), false);
+    std::size_t asked = 0;
+    const auto refuses = [&](std::size_t c, FrameIndex a, FrameIndex b) {
+      return missed(curves[c], a, b) > 0.4;
+    };
+    const MaySkip may_skip = [&](FrameIndex a, FrameIndex b) {
+      ++asked;
+      for (std::size_t c = 0; c < curves.size(); ++c)
+        if (refuses(c, a, b)) {
+          known[c] = true;
+          return false;
+        }
+      return true;
+    };
+    const MaySkip seems_to = [&](FrameIndex a, FrameIndex b) {
+      for (std::size_t c = 0; c < curves.size(); ++c)
+        if (known[c] && refuses(c, a, b)) return false;
+      return true;
+    };
+    const Keys forced = {17, 100};
+    const auto quick = fewest_key_frames(300, seems_to, may_skip, forced, Progress{});
+    ASSERT_TRUE(quick);
+    const std::size_t asked_quick = std::exchange(asked, 0);
+    EXPECT_EQ(*quick, *fewest_key_frames(300, may_skip, forced, Progress{}));
+    EXPECT_LT(asked_quick, asked / 2);
+    EXPECT_GT(quick->size(), 6u);
+  }
 }
 
 TEST(FewestKeyFrames, NoIntervalIsAskedAboutTwiceNorAcrossAForcedFrame) {

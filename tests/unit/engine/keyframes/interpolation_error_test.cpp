@@ -151,6 +151,22 @@ TEST(InterpolationError, WithinIsLargestAgainstTheTolerance) {
     }
 }
 
+TEST(InterpolationError, WhatIsWithinSeemsSoAndWhatWasRefusedDoesNotSeemSoAgain) {
+  const Squares world(2, 30);
+  Judged waves(world, noisy_waves(world, 0.01f, 3));
+  InterpolationError& error = waves.error;
+  EXPECT_TRUE(error.seems_within(0, 29, 0.001, Evidence::likely)) << "no patch has refused yet";
+  int within = 0, refused = 0;
+  for (FrameIndex a = 0; a < 28; ++a)
+    for (FrameIndex b = a + 2; b < 30; ++b) {
+      const bool is = error.within(a, b, 0.1, Evidence::likely);
+      ASSERT_EQ(error.seems_within(a, b, 0.1, Evidence::likely), is) << a << " " << b;
+      (is ? within : refused) += 1;
+    }
+  EXPECT_GT(within, 20);
+  EXPECT_GT(refused, 20);
+}
+
 TEST(InterpolationError, WhatIsSurelyWithinIsLikelyAndWhatIsLikelyIsHardlyDenied) {
   const Squares world(3, 20);
   Judged waves(world, noisy_waves(world, 0.05f, 2));
