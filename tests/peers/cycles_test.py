@@ -30,9 +30,10 @@ RMSE_MAX = 0.02
 HALVES = 2  # independent renderings, from which the noise of the reference is known
 FRAMES = {"garage": (9, 30, 83, 110), "room": (9, 39, 69, 99), "cornell_box": (0, 16, 32, 47)}
 LIGHTING = {
-    "garage": {"preset": "standard", "samples_per_light": 32},
+    "garage": {"preset": "standard", "samples_per_light": 64, "line_count": 16_000_000, "moving_line_count": 8_000_000},
     "room": {"preset": "high", "tolerance": 0.05, "patch_edge_m": 0.05, "samples_per_light": 256},
-    "cornell_box": {"preset": "high", "tolerance": 0.05, "patch_edge_m": 0.05, "samples_per_light": 256},
+    "cornell_box": {"preset": "high", "tolerance": 0.05, "patch_edge_m": 0.05, "samples_per_light": 512,
+                    "line_count": 64_000_000, "moving_line_count": 16_000_000},
 }
 
 
