@@ -78,8 +78,8 @@ void warn(const LitScene& lit, const SolveCounts& counts, std::uint32_t replicat
   warn_of_empty_rows(lit, counts.empty_rows, replicates, report);
 }
 
-/// What the solution said of each interval at its check frames. Where these are all the frames between, nothing
-/// is interpolated, and what leaving them out would have done is no one's loss.
+/// What the solution said of each interval at its check frames. Where these are all the frames between,
+/// nothing is interpolated, and what leaving them out would have done is no one's loss.
 void observe(const KeyFrames& chosen, const std::vector<double>& errors, const api::LightingOptions& options,
              api::KeyFrameReport& report) {
   for (api::KeyFrameInterval& interval : report.intervals) {
