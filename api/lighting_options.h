@@ -73,8 +73,8 @@ struct LightingOptions {
   /// Artefact radiosity_se.npy: the standard error of every patch and frame.
   bool standard_errors = true;
 
-  /// Shadow rays per patch and light, whatever the frame count. Penumbras get smoother with more; a scene
-  /// with one light wants 64.  [rays] 1 .. 1024
+  /// Samples per patch and light, each a shadow ray where something may be in the way, whatever the frame
+  /// count. Penumbras get smoother with more; a scene with one light wants 64.  [rays] 1 .. 1024
   std::uint32_t samples_per_light = 16;
 
   /// Edges are cut into ceil(edge / patch_edge_m) parts, all three of a triangle into as many as its longest

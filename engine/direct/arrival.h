@@ -42,8 +42,8 @@ class Arrivals {
  private:
   const Receiver& receiver_;
   const LightPose& light_;
-  const float reach_m_,
-      gap_m_;  ///< `gap_m_`: how far rays end before a point light, which may lie on a surface
+  const float reach_m_;
+  const float gap_m_;  ///< how far rays end before a point light, which may lie on a surface
   const Vec3 off_patch_, off_light_;
 };
 

@@ -14,11 +14,11 @@
 namespace engine {
 
 struct DirectOptions {
-  /// Shadow rays per patch and light, all replicates together; 32 times as many per patch at most, unless
-  /// lights take turns or move.  [rays] 1 .. 1024
+  /// Points of a patch against each light, all replicates together; 32 times as many per patch at most,
+  /// unless lights take turns or move.  1 .. 1024
   std::uint32_t samples_per_light = 16;
-  /// Independent sets that the samples are dealt out to, each with max(1, samples / replicates) rays; their
-  /// scatter is the variance. 1: none is known.  1 .. 1024
+  /// Independent sets that the samples are dealt out to, each with max(1, samples / replicates) of them;
+  /// their scatter is the variance. 1: none is known.  1 .. 1024
   std::uint32_t replicates = 1;
   std::uint64_t seed = 1;
 };
@@ -55,15 +55,15 @@ struct DirectLight {
 ///     H = E mean_s F(x_s) V(x_s, y_s)
 ///
 /// F is the closed form factor from x to the light; of a light without surface it is cos / r^2, or cos
-/// (arrival.h). V is a shadow ray, where anything may stand between the patch and the light (shaft.h), a hair
-/// off the surfaces at both ends (clearance_m); y is drawn in proportion to what it contributes
+/// (arrival.h). V is 1 where nothing can stand between the patch and the light (shaft.h), else a shadow ray,
+/// a hair off the surfaces at both ends (clearance_m); y is drawn in proportion to what it contributes
 /// (sample_light), so that H is right past any occluder and has no noise but that of x where nothing is
-/// hidden. Static surfaces answer once for all frames, moving ones with one query that says in which frames
-/// they block. The same points in every frame: what noise there is does not flicker. Patches of an object
-/// that is not there in a frame get 0.
+/// hidden. Static surfaces answer once for all frames, moving ones say in which frames they block. The same
+/// points in every frame: what noise there is does not flicker. Patches of an object that is not there in a
+/// frame get 0.
 ///
 /// Where more than 32 lights can shine on a patch, those that matter most are sampled so, and the others
-/// share rays that are drawn among them: about twice the rays of 15 lights, for any number (light_choice.h).
+/// share samples that are drawn among them: about twice those of 15 lights, for any number (light_choice.h).
 ///
 /// `emission` says what shines: all of animation.emission, or a part of it. The arguments outlive the
 /// lighter.

@@ -1,5 +1,6 @@
 #include "engine/direct/form_factor.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

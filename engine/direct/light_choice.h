@@ -1,15 +1,15 @@
-// Which of many lights get the shadow rays of a patch.
+// Which of many lights get the samples of a patch.
 #pragma once
 
 #include "engine/direct/receiver.h"
 
 namespace engine {
 
-/// Where no more lights than this can shine on a patch, each gets its samples_per_light rays; where more can,
-/// they share as many rays as these would get.
+/// Where no more lights than this can shine on a patch, each gets its samples_per_light; where more can,
+/// they share as many as these would get.
 inline constexpr std::uint32_t kLightsEachMax = 32;
 
-/// Lights that take turns get more rays, since each must be known in its own frames; up to this factor.
+/// Lights that take turns get more samples, since each must be known in its own frames; up to this factor.
 inline constexpr float kVarietyMax = 4;
 
 /// A light that is drawn by chance.
@@ -20,13 +20,13 @@ struct DrawnLight {
 
 /// The lights that can shine on a patch, each of them in one of the two.
 struct LightChoice {
-  std::vector<std::uint32_t> each;  ///< get samples_per_light rays of their own, in order
-  /// Share `shared_lights` samples_per_light rays, in order; the probabilities add up to 1.
+  std::vector<std::uint32_t> each;  ///< get samples_per_light of their own, in order
+  /// Share `shared_lights` times samples_per_light, in order; the probabilities add up to 1.
   std::vector<DrawnLight> drawn;
   float shared_lights = 0;
 };
 
-/// Deals out the rays of a patch: the lights that matter most get their own, the others are drawn with a
+/// Deals out the samples of a patch: the lights that matter most get their own, the others are drawn with a
 /// probability close to their share of the patch's unoccluded light,
 ///
 ///     p_l = (w_l + D) / sum_k (w_k + D),    D = mean w / 10

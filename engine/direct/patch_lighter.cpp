@@ -14,8 +14,8 @@ std::uint64_t seed_of(const DirectOptions& options, std::uint32_t replicate, Pat
   return stream_seed(stream_seed(options.seed, replicate), (std::uint64_t{patch} << 32) | stream);
 }
 
-/// Streams of the draws among many lights and of the points that lights share, beside those of single lights.
-constexpr std::uint32_t kStaticStream = 0xffffffffu, kMovingStream = 0xfffffffeu, kSharedStream = 0xfffffffdu;
+/// Streams of the draws among many lights, beside those of single lights.
+constexpr std::uint32_t kStaticStream = 0xffffffffu, kMovingStream = 0xfffffffeu;
 
 /// A ray asks a tree in the time it takes to look at about so many facets, sixteen rays at once.
 constexpr std::size_t kFacetsPerRay = 4;

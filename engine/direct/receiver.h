@@ -1,8 +1,6 @@
 // A patch that receives light.
 #pragma once
 
-#include <utility>
-
 #include "engine/direct/window_lights.h"
 
 namespace engine {

@@ -3,36 +3,27 @@
 #include <algorithm>
 
 namespace engine {
-namespace {
-
-/// Bits of the rays that a block has.
-std::uint32_t lanes_in(std::size_t rays, std::size_t block) {
-  const std::size_t count = std::min(RayLanes::kCount, rays - block * RayLanes::kCount);
-  return static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
-}
-
-}  // namespace
-
 void Shadows::begin(std::size_t count) {
   const std::size_t blocks = (count + RayLanes::kCount - 1) / RayLanes::kCount;
   rays_.resize(count);
   lanes_.assign(blocks, {});
+  set_.assign(blocks, 0);
   at_rest_.assign(blocks, 0);
   moving_.resize(blocks * kWindowMax);
 }
 
 void Shadows::cast(Slots slots) {
   for (std::size_t block = 0; block < lanes_.size(); ++block) {
-    const std::uint32_t every = lanes_in(rays_.size(), block);
-    cast_at_rest(block, every);
+    cast_at_rest(block);
     std::uint32_t* of_slot = moving_.data() + block * kWindowMax;
     std::fill(of_slot + slots.begin, of_slot + std::max(slots.begin, slots.end), 0u);
-    const std::uint32_t open = every & ~at_rest_[block];
+    const std::uint32_t open = set_[block] & ~at_rest_[block];
     if (open != 0 && !contents.none_moving()) cast_moving(block, open, slots);
   }
 }
 
-void Shadows::cast_at_rest(std::size_t block, std::uint32_t every) {
+void Shadows::cast_at_rest(std::size_t block) {
+  const std::uint32_t every = set_[block];
   std::uint32_t& blocked = at_rest_[block];
   if (!contents.many_at_rest) {
     for (std::size_t k = 0; k < contents.at_rest.size() && blocked != every; ++k)
@@ -45,7 +36,6 @@ void Shadows::cast_at_rest(std::size_t block, std::uint32_t every) {
 }
 
 void Shadows::cast_moving(std::size_t block, std::uint32_t open, Slots slots) {
-  if (contents.many_moving) return ask_moving_rays(block, open, slots);
   for (const Occluder* facet : contents.moving) {
     const std::uint32_t blocked = open & crossed_by(*facet, lanes_[block]);
     if (blocked == 0) continue;
@@ -53,6 +43,7 @@ void Shadows::cast_moving(std::size_t block, std::uint32_t open, Slots slots) {
     for (std::uint32_t slot = std::max(slots.begin, facet->first_slot); slot < end; ++slot)
       moving_[block * kWindowMax + slot] |= blocked;
   }
+  if (contents.some_slots_many()) ask_moving_rays(block, open, slots);
 }
 
 void Shadows::ask_moving_rays(std::size_t block, std::uint32_t open, Slots slots) {
@@ -66,7 +57,8 @@ void Shadows::ask_moving_rays(std::size_t block, std::uint32_t open, Slots slots
     else if (moving_rays_->occluded(ray, slots.begin))
       blocked.set(slots.begin, slots.begin);
     for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot)
-      if (blocked.test(slot)) moving_[block * kWindowMax + slot] |= 1u << k;
+      if (contents.many_moving.test(slot) && blocked.test(slot))
+        moving_[block * kWindowMax + slot] |= 1u << k;
   }
 }
 

@@ -20,10 +20,11 @@ class Shadows {
 
   bool none() const { return contents.none_at_rest() && contents.none_moving(); }
 
-  /// Begins with `count` rays, all of them unblocked.
+  /// Begins with room for `count` rays, none of which is set.
   void begin(std::size_t count);
   void set(std::size_t k, const Ray& ray) {
     rays_[k] = ray;
+    set_[k / RayLanes::kCount] |= 1u << (k % RayLanes::kCount);
     lanes_[k / RayLanes::kCount].set(k % RayLanes::kCount, ray);
   }
 
@@ -44,7 +45,7 @@ class Shadows {
   }
 
  private:
-  void cast_at_rest(std::size_t block, std::uint32_t every);
+  void cast_at_rest(std::size_t block);
   void cast_moving(std::size_t block, std::uint32_t open, Slots slots);
   void ask_moving_rays(std::size_t block, std::uint32_t open, Slots slots);
 
@@ -52,6 +53,7 @@ class Shadows {
   const MovingRays* moving_rays_;
   std::vector<Ray> rays_;
   std::vector<RayLanes> lanes_;         ///< the same, sixteen to a block
+  std::vector<std::uint32_t> set_;      ///< [block]: bit k: ray k is to be cast
   std::vector<std::uint32_t> at_rest_;  ///< [block]: bit k: ray k is blocked
   std::vector<std::uint32_t> moving_;   ///< [block][slot], kWindowMax slots to a block
 };

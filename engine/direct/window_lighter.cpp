@@ -1,6 +1,5 @@
 #include "engine/direct/window_lighter.h"
 
-#include "engine/direct/patch_lighter.h"
 #include "engine/direct/scene_reach.h"
 
 namespace engine {

@@ -46,8 +46,9 @@ class InterpolationError {
 
   /// Largest e over the patches, [frame], interpolated from `knots` (increasing, first and last frame
   /// included); by the mean of the replicates. As the solution interpolates: all light over the whole
-  /// sequence; indirect light window by window (shared_frames, which are knots then), so that a cubic has
-  /// slopes of its own at the ends of each.
+  /// sequence (of named groups each by itself, where this has the cubic of their sum); indirect light window
+  /// by window (shared_frames, which are knots then), so that a cubic has slopes of its own at the ends of
+  /// each.
   std::vector<double> largest(std::span<const api::FrameIndex> knots, api::Interpolation interpolation) const;
 
  private:

@@ -1,6 +1,7 @@
 #include "engine/keyframes/select_key_frames.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 
 #include "engine/keyframes/fewest_key_frames.h"

@@ -30,6 +30,11 @@ void replace(const LitScene& lit, std::span<const FrameIndex> frames, PatchSerie
   });
 }
 
+/// Of frames[k] in direct light that is known in `frames`, or in every frame of the animation.
+std::uint32_t column_of(const PatchSeries& direct, std::span<const FrameIndex> frames, std::uint32_t k) {
+  return direct.frame_count == frames.size() ? k : frames[k];
+}
+
 Rgb square_root(Rgb value) {
   return {std::sqrt(std::max(0.0f, value.r)), std::sqrt(std::max(0.0f, value.g)),
           std::sqrt(std::max(0.0f, value.b))};
@@ -54,7 +59,14 @@ void add_scaled(const LightGroup& group, const PatchSeries& part, std::span<cons
 
 void add_direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames,
                            PatchSeries& sum) {
-  for (const LitGroup* lit : groups) add_scaled(lit->group, lit->direct.irradiance_w_m2, frames, sum);
+  for (const LitGroup* lit : groups) {
+    const PatchSeries& direct = lit->direct.irradiance_w_m2;
+    for_each_patch(sum.patch_count, {}, [&](PatchId patch) {
+      for (std::uint32_t k = 0; k < frames.size(); ++k)
+        sum.at(patch, k) +=
+            in_frame(lit->group.scale, frames[k]) * direct.at(patch, column_of(direct, frames, k));
+    });
+  }
 }
 
 void to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
@@ -72,9 +84,10 @@ void to_standard_error(const LitScene& lit, std::span<const LitGroup* const> gro
                        std::span<const FrameIndex> frames, PatchSeries& variance) {
   replace(lit, frames, variance, [&](PatchId patch, std::uint32_t k, Rgb sum) {
     for (const LitGroup* group : groups) {
-      if (group->direct.variance.values.empty()) continue;
+      const PatchSeries& variance_of = group->direct.variance;
+      if (variance_of.values.empty()) continue;
       const Rgb scale = in_frame(group->group.scale, frames[k]);
-      sum += scale * scale * group->direct.variance.at(patch, k);
+      sum += scale * scale * variance_of.at(patch, column_of(variance_of, frames, k));
     }
     return lit.reflectance(patch, frames[k]) * square_root(sum);
   });

@@ -14,13 +14,13 @@ namespace engine {
 /// A group of lights and the direct light it gives by itself.
 struct LitGroup {
   LightGroup group;
-  DirectLight direct;  ///< [patch][position in the frames that are lit]; empty where lines carry everything
+  DirectLight direct;  ///< of the frames that are lit; empty where lines carry everything
 };
 
 std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups);
 
-/// Adds the irradiance from all of `groups`, sum_g scale_g(f) H_g  [W/m^2], [patch][position in `frames`],
-/// which are those their direct light was computed for.
+/// Adds the irradiance from all of `groups`, sum_g scale_g(f) H_g  [W/m^2], [patch][position in `frames`].
+/// Their direct light is that of `frames`, or of every frame of the animation.
 void add_direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames,
                            PatchSeries& sum);
 
@@ -32,6 +32,8 @@ void to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
 /// Standard error of B, in place of the variance of the indirect irradiance, per channel:
 ///
 ///     s_B = rho sqrt(var X + sum_g scale_g^2 var H_g)                        [W/m^2]
+///
+/// Direct light as above.
 void to_standard_error(const LitScene& lit, std::span<const LitGroup* const> groups,
                        std::span<const FrameIndex> frames, PatchSeries& variance);
 

@@ -21,10 +21,11 @@ inline float largest_change(Rgb before, Rgb after) {
   return std::max({change(before.r, after.r), change(before.g, after.g), change(before.b, after.b)});
 }
 
-/// What changes are measured by: of what lines carry, largest channel over patches and frames.  [W/m^2]
+/// What changes are measured by: of what lines carry, over patches and frames.
 struct Scale {
-  double mean = 0;  ///< 0: all is dark
-  double largest = 0;
+  double mean = 0;         ///< largest channel, area-weighted; 0: all is dark  [W/m^2]
+  double largest = 0;      ///< [W/m^2]
+  double reflectance = 0;  ///< the largest, rho
 };
 
 /// Follows the largest changes of the iterations.
@@ -39,10 +40,11 @@ class ConvergenceTest {
     state.error_left = mean > 0 ? change * ratio / (1 - ratio) / mean : 0;
     state.converged = state.error_left <= kIterationError;
     last_ = change;
-    if (change < kFalls * least_) {
-      least_ = change;
-      since_least_ = 0;
-    } else if (++since_least_ >= kStandsStill && change < kRoundingOfSums * scale.largest) {
+    if (change <= 0.5 * halved_from_) {
+      halved_from_ = change;
+      since_halved_ = 0;
+    } else if (++since_halved_ > iterations_to_halve(scale.reflectance) &&
+               change < kRoundingMax * scale.largest) {
       state.converged = true;
     }
     if (++state.iterations == 2) second_ = state.error_left;
@@ -59,14 +61,20 @@ class ConvergenceTest {
   }
 
  private:
-  /// Rounding of the brightest patches' sums can go round in circles of some units in the last place, for
-  /// ever, and be more than kIterationError of a mean that is far darker. It has come to that when changes
-  /// this small have not fallen for so many iterations.
-  static constexpr double kRoundingOfSums = 4e-6, kFalls = 0.98;
-  static constexpr int kStandsStill = 8;
+  /// No row of T sums to more than 1: without rounding the largest change falls by rho at least in every
+  /// iteration. Two more, since the halves are not met exactly.
+  static int iterations_to_halve(double reflectance) {
+    const double rho = std::clamp(reflectance, 0.1, kReflectanceMost);
+    return static_cast<int>(std::ceil(std::log(0.5) / std::log(rho))) + 2;
+  }
 
-  double last_ = 0, second_ = 0, least_ = std::numeric_limits<double>::infinity();
-  int since_least_ = 0;
+  /// Changes this small that are not halved in that time are rounding, which in the sums of the brightest
+  /// patches goes round in circles of some units in the last place, for ever; beside a mean that is far
+  /// darker they can be more than kIterationError.
+  static constexpr double kRoundingMax = 1e-5, kReflectanceMost = 0.9999;
+
+  double last_ = 0, second_ = 0, halved_from_ = std::numeric_limits<double>::infinity();
+  int since_halved_ = 0;
   /// The two before: near the end changes are few units in the last place, and one ratio alone may be far too
   /// small by rounding.
   std::array<double, 2> ratios_{0, 0};

@@ -6,15 +6,16 @@
 namespace engine {
 namespace {
 
-Scale scale_of(const Patches& patches, const std::vector<Rgb>& values) {
-  double sum = 0, area = 0, largest = 0;
+Scale scale_of(const Patches& patches, const std::vector<Rgb>& values, const std::vector<Rgb>& reflectance) {
+  double sum = 0, area = 0, largest = 0, rho = 0;
   for (PatchId patch = 0; patch < patches.count(); ++patch) {
     const double value = max_channel(values[patch]);
     sum += patches.area_m2[patch] * value;
     largest = std::max(largest, value);
+    rho = std::max(rho, double{max_channel(reflectance[patch])});
     area += patches.area_m2[patch];
   }
-  return {sum / area, largest};
+  return {sum / area, largest, rho};
 }
 
 }  // namespace
@@ -39,8 +40,8 @@ api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& 
       changes[patch] = largest_change(radiosity.values[patch], next);
       radiosity.values[patch] = next;
     });
-    test.add(*std::max_element(changes.begin(), changes.end()), scale_of(patches, radiosity.values),
-             light.convergence);
+    test.add(*std::max_element(changes.begin(), changes.end()),
+             scale_of(patches, radiosity.values, reflectance), light.convergence);
     progress.report(test.fraction(light.convergence));
   } while (!test.may_end(light.convergence));
   light.radiosity_w_m2 = std::move(radiosity.values);

@@ -11,14 +11,15 @@
 namespace engine {
 
 /// Iterations end when what further ones would change of B is below this, relative to its mean. A frame is
-/// the sum of two solutions: B is within 1e-5 in all, with the rounding of sums.
+/// the sum of two solutions: B is within 1e-5 of its mean in all, with the rounding of sums; of patches far
+/// brighter than the mean within 1e-5 of themselves.
 inline constexpr double kIterationError = 4e-6;
 inline constexpr std::uint32_t kIterationsMax = 2000;
 
 struct Convergence {
   std::uint32_t iterations = 0;
   double error_left = 0;  ///< bound on what further iterations would change of B, relative to its mean
-  bool converged = true;  ///< error_left <= kIterationError
+  bool converged = true;  ///< error_left <= kIterationError, or no more than rounding changes (convergence.h)
 };
 
 /// Light of the scene at rest, [patch]; 0 of patches that move.  [W/m^2]
@@ -32,7 +33,8 @@ struct RestLight {
 /// source_w_m2  S, [patch]        reflectance  rho, [patch], 0 <= rho < 1
 ///
 /// Iterates R <- S + rho T_s R. If an iteration changes R by at most d, and by r d the one after, all that
-/// follow change it by at most d r / (1 - r). Changes in the last place of a float are none. With rho near 1
+/// follow change it by at most d r / (1 - r). Changes in the last place of a float are none, and where
+/// rounding is all that is left it ends. With rho near 1
 /// it may end after kIterationsMax; then `converged` is false and the light still grows. Error: stopped.
 api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& lines,
                                      const std::vector<Rgb>& source_w_m2, const std::vector<Rgb>& reflectance,

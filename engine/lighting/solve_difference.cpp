@@ -30,21 +30,25 @@ float carry_on(const WindowScene& window, const Columns& columns, PatchId patch,
   return change;
 }
 
-/// Area-weighted mean over patches and columns of what lines carry, R_s + r, and the largest.
-Scale scale_of(const WindowScene& window, const PatchSeries& r) {
-  std::vector<double> sums(r.patch_count), largest(r.patch_count);
+/// Of what lines carry, R_s + r.
+Scale scale_of(const WindowScene& window, const Columns& columns, const PatchSeries& r) {
+  std::vector<double> sums(r.patch_count), largest(r.patch_count), reflectance(r.patch_count);
   for_each_patch(r.patch_count, {}, [&](PatchId patch) {
     for (std::uint32_t c = 0; c < r.frame_count; ++c) {
       const double carried = max_channel(window.rest.radiosity_w_m2[patch] + r.at(patch, c));
       sums[patch] += carried;
       largest[patch] = std::max(largest[patch], carried);
+      const FrameIndex frame = window.frames[columns.slot(c)];
+      reflectance[patch] =
+          std::max(reflectance[patch], double{max_channel(window.lit.reflectance(patch, frame))});
     }
     sums[patch] *= window.lit.patches.area_m2[patch];
   });
   double area = 0;
   for (const float a : window.lit.patches.area_m2) area += double{a} * r.frame_count;
   return {std::max(0.0, std::accumulate(sums.begin(), sums.end(), 0.0) / area),
-          *std::max_element(largest.begin(), largest.end())};
+          *std::max_element(largest.begin(), largest.end()),
+          *std::max_element(reflectance.begin(), reflectance.end())};
 }
 
 }  // namespace
@@ -68,7 +72,7 @@ api::Result<DifferenceLight> solve_difference(const WindowScene& window, const C
   const SampledOperator sampled(window.lines);
   const PatchSeries source = source_difference(window, columns);
   const PatchSeries of_rest = changes_of_rest(window, sampled, columns);
-  const Scale scale = scale_of(window, source);
+  const Scale scale = scale_of(window, columns, source);
 
   DifferenceLight light;
   light.irradiance_w_m2 = PatchSeries(patches, columns.count());

@@ -254,13 +254,7 @@ class IndirectSolver {
   CheckedRadiosity radiosity_at_checks() const {
     PatchSeries arriving = mean_->mean();
     const auto all = pointers_to(groups_);
-    if (options_.direct == api::DirectLight::apart)
-      for_each_patch(arriving.patch_count, {}, [&](PatchId patch) {
-        for (std::uint32_t k = 0; k < arriving.frame_count; ++k)
-          for (std::size_t g = 0; g < groups_.size(); ++g)
-            arriving.at(patch, k) +=
-                in_frame(groups_[g].group.scale, frames_[k]) * sources_[g].direct_in_frame(patch, frames_[k]);
-      });
+    if (options_.direct == api::DirectLight::apart) add_direct_irradiance(all, frames_, arriving);
     to_radiosity(lit_, all, frames_, arriving);
     CheckedRadiosity found{
         PatchSeries(arriving.patch_count, static_cast<std::uint32_t>(chosen_.checks.size())),
@@ -280,7 +274,8 @@ class IndirectSolver {
     const LinesSpent spent{replicates_, noise_of(lit_, groups_, options_, frames_, *mean_)};
     const auto wanted = replicates_for(*options_.target_error, spent_before_, spent);
     spent_before_ = spent;
-    if (wanted > replicates_) replicates_ = (std::min(wanted, kReplicatesMax) + block_ - 1) / block_ * block_;
+    const std::uint32_t most = std::max(replicates_, kReplicatesMax / block_ * block_);
+    if (wanted > replicates_) replicates_ = std::min(most, (wanted + block_ - 1) / block_ * block_);
   }
 
   void save() {

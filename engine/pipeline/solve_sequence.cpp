@@ -145,23 +145,6 @@ std::string file_of_group(const std::string& name) {
   return "radiosity_" + (name.empty() ? "other" : name) + ".npy";
 }
 
-/// Keeps of the direct light the frames that were solved after it was computed in all.
-void keep_frames(const Frames& all, const Frames& wanted, std::vector<LitGroup>& groups) {
-  const auto keep = [&](PatchSeries& series) {
-    if (series.values.empty()) return;
-    PatchSeries kept(series.patch_count, static_cast<std::uint32_t>(wanted.size()));
-    for (PatchId patch = 0; patch < series.patch_count; ++patch)
-      for (std::uint32_t k = 0; k < wanted.size(); ++k) kept.at(patch, k) = series.at(patch, wanted[k]);
-    series = std::move(kept);
-  };
-  if (wanted == all) return;
-  for (LitGroup& group : groups) {
-    if (group.direct.irradiance_w_m2.frame_count != all.size()) continue;
-    keep(group.direct.irradiance_w_m2);
-    keep(group.direct.variance);
-  }
-}
-
 void report_noise(const LitScene& lit, const SolvedSequence& solved, const PatchSeries& error,
                   const api::LightingOptions& options, api::JobReport& report) {
   const double mean = mean_radiosity(lit, solved.radiosity_w_m2);
@@ -227,7 +210,6 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   warn(lit, indirect->counts, indirect->irradiance_w_m2.count(), report);
 
   clock.begin(api::Stage::interpolate);
-  keep_frames(all, indirect->frames, *lit_groups);
   const Composer composer(lit, options, *lit_groups, indirect->frames);
   SolvedSequence solved;
   std::vector<NamedSeries> of_name;

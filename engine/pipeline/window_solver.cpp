@@ -1,6 +1,7 @@
 #include "engine/pipeline/window_solver.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "engine/patches/placed_facet.h"
 

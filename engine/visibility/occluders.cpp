@@ -91,16 +91,19 @@ MovingOccluders::MovingOccluders(const Patches& patches, const Animation& animat
 std::vector<Box> MovingOccluders::place(const Patches& patches, const Animation& animation,
                                         std::span<const FrameIndex> frames) {
   std::vector<std::vector<const Facet*>> of_object(animation.objects.size());
-  for (const Facet& facet : patches.facets) of_object[facet.object].push_back(&facet);
+  for (const Facet& facet : patches.facets) {
+    of_object[facet.object].push_back(&facet);
+    moving_facets_ += animation.objects[facet.object].is_static(animation.frame_count) ? 0 : 1;
+  }
   std::vector<Box> boxes;
   for (std::size_t o = 0; o < of_object.size(); ++o) {
     const ObjectMotion& motion = animation.objects[o];
     if (of_object[o].empty() || motion.is_static(animation.frame_count)) continue;
-    moving_facets_ += of_object[o].size();
+    const bool listed = moving_facets_ <= kFollowedMax && of_object[o].size() <= kOfObjectMax;
     for (const PlacedRange& range : placed_ranges(motion, frames)) {
       for (std::uint32_t s = range.first_slot; s <= range.last_slot; ++s)
         in_slot_[s].push_back(static_cast<std::uint32_t>(objects_.size()));
-      objects_.push_back(place(of_object[o], range));
+      objects_.push_back(place(of_object[o], range, listed));
       boxes.push_back(objects_.back().box);
     }
   }
@@ -108,7 +111,7 @@ std::vector<Box> MovingOccluders::place(const Patches& patches, const Animation&
 }
 
 MovingOccluders::PlacedObject MovingOccluders::place(const std::vector<const Facet*>& facets,
-                                                     const PlacedRange& range) {
+                                                     const PlacedRange& range, bool listed) {
   PlacedObject object{{}, range.first_slot, range.last_slot, static_cast<std::uint32_t>(lanes_.size()), 0};
   for (std::size_t f = 0; f < facets.size(); ++f) {
     Occluder facet(engine::place(*facets[f], *range.pose), facets[f]->is_triangle);
@@ -116,7 +119,7 @@ MovingOccluders::PlacedObject MovingOccluders::place(const std::vector<const Fac
     facet.last_slot = range.last_slot;
     const Box box = box_of(facet.corners);
     object.box = f == 0 ? box : join(object.box, box);
-    if (facets.size() > kOfObjectMax) continue;
+    if (!listed) continue;
     if (f % FacetLanes::kCount == 0) lanes_.emplace_back();
     lanes_.back().set(f % FacetLanes::kCount, facet.corners, facet.normal);
     facets_.push_back(facet);
@@ -140,14 +143,14 @@ void MovingOccluders::collect(const Shaft& shaft, bool one_place, std::uint32_t 
                     const PlacedObject& object = objects_[tree_.order()[leaf.first]];
                     if (object.last_slot < first_slot || last_slot < object.first_slot) return true;
                     if (listed) list_facets(object, shaft, contents);
-                    contents.many_moving = contents.many_moving || !listed;
+                    if (!listed) contents.many_moving.set(first_slot, last_slot);
                     return listed;
                   });
 }
 
 void MovingOccluders::list_facets(const PlacedObject& object, const Shaft& shaft,
                                   ShaftContents& contents) const {
-  if (object.first_block == object.end_block) contents.many_moving = true;
+  if (object.first_block == object.end_block) contents.many_moving.set(object.first_slot, object.last_slot);
   for (std::uint32_t b = object.first_block; b < object.end_block; ++b)
     list(shaft.may_meet(lanes_[b]), facets_.data() + std::size_t{b} * FacetLanes::kCount, contents.moving);
 }

@@ -31,22 +31,25 @@ struct RayLanes {
   }
 };
 
-/// Bit k: ray k crosses the facet. Some 50 operations per ray, all rays at once.
+/// Bit k: ray k crosses the facet. Some 50 operations per ray, all rays at once. Unlike the trees it makes no
+/// promise about rays through an edge that two facets share: one in some million slips through (rounding).
 std::uint32_t crossed_by(const Occluder& facet, const RayLanes& rays);
 
 /// What is found in a shaft.
 struct ShaftContents {
   std::vector<const Occluder*> at_rest, moving;
-  bool many_at_rest = false;  ///< too many to be listed: trees are asked for every ray instead
-  bool many_moving = false;
+  bool many_at_rest = false;  ///< too many to be listed: a tree is asked for every ray instead
+  SlotMask many_moving;       ///< the slots in which it is so of what moves
 
   void clear() {
     at_rest.clear();
     moving.clear();
-    many_at_rest = many_moving = false;
+    many_at_rest = false;
+    many_moving = {};
   }
   bool none_at_rest() const { return at_rest.empty() && !many_at_rest; }
-  bool none_moving() const { return moving.empty() && !many_moving; }
+  bool some_slots_many() const { return (many_moving.bits[0] | many_moving.bits[1]) != 0; }
+  bool none_moving() const { return moving.empty() && !some_slots_many(); }
 };
 
 /// The facets that never move.
@@ -86,11 +89,12 @@ class MovingOccluders {
   };
   std::vector<Box> place(const Patches& patches, const Animation& animation,
                          std::span<const FrameIndex> frames);
-  PlacedObject place(const std::vector<const Facet*>& facets, const PlacedRange& range);
+  PlacedObject place(const std::vector<const Facet*>& facets, const PlacedRange& range, bool listed);
   void list_facets(const PlacedObject& object, const Shaft& shaft, ShaftContents& contents) const;
 
   /// Facets of an object, and of all that moves in the way of shafts from one place: beyond these trees win.
-  static constexpr std::size_t kOfObjectMax = 256, kOfAllMax = 64;
+  /// Of all that moves, for shafts that follow it: bounds the memory, some 200 bytes per facet and pose.
+  static constexpr std::size_t kOfObjectMax = 256, kOfAllMax = 64, kFollowedMax = 8192;
 
   std::size_t moving_facets_ = 0;  ///< of all objects, each once
   std::vector<Occluder> facets_;   ///< sixteen to a block, the last one of an object filled up

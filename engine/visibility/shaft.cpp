@@ -24,7 +24,7 @@ float farthest(std::span<const Vec3> points, Vec3 direction) {
   return most;
 }
 
-/// Two directions across `axis` and each other, as long as it; any two where it has no length.
+/// Two unit vectors across `axis` and each other; any two where it has no length.
 std::array<Vec3, 2> across(Vec3 axis) {
   const Vec3 aside = std::abs(axis.x) < std::abs(axis.y) ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 s = cross(axis, aside);
@@ -56,7 +56,7 @@ Shaft::Shaft(const ShaftEnd& from, const ShaftEnd& to)
       const float wider = farthest(there, normal) - farthest(here, normal);
       normal = normal - (wider / squared) * axis;
     }
-    set_plane(k, normal, farthest(all, normal) + off);
+    set_plane(k, normal, farthest(all, normal) + off * length(normal));
   }
   set_plane(kAround, -from.normal, -dot(from.normal, ends_[0]) - kTouching * from.slack_m);
   set_plane(kAround + 1, -to.normal, -dot(to.normal, ends_[4]) - kTouching * to.slack_m);

@@ -48,6 +48,28 @@ TEST(Compose, DirectLightOfGroupsIsAddedWithTheirScales) {
   }
 }
 
+TEST(Compose, DirectLightOfEveryFrameGivesThoseAskedFor) {
+  TwoGroups lit;
+  const std::uint32_t every = lit.room.animation.frame_count;
+  for (LitGroup* group : {&lit.steady, &lit.doubling}) {
+    const DirectLight some = group->direct;
+    group->direct.irradiance_w_m2 = group->direct.variance = PatchSeries(lit.room.patches.count(), every);
+    for (PatchId patch = 0; patch < lit.room.patches.count(); ++patch)
+      for (std::uint32_t k = 0; k < 2; ++k) {
+        group->direct.irradiance_w_m2.at(patch, lit.frames[k]) = some.irradiance_w_m2.at(patch, k);
+        group->direct.variance.at(patch, lit.frames[k]) = some.variance.at(patch, k);
+      }
+  }
+  const TwoGroups same;
+  PatchSeries sum(lit.room.patches.count(), 2), expected = sum, error = sum, expected_error = sum;
+  add_direct_irradiance(lit.both, lit.frames, sum);
+  add_direct_irradiance(same.both, same.frames, expected);
+  to_standard_error(lit.room.lit(), lit.both, lit.frames, error);
+  to_standard_error(same.room.lit(), same.both, same.frames, expected_error);
+  EXPECT_EQ(sum.values, expected.values);
+  EXPECT_EQ(error.values, expected_error.values);
+}
+
 TEST(Compose, RadiosityIsExitanceAndWhatIsReflectedWhereAPatchIsThere) {
   const TwoGroups lit;
   PatchSeries radiosity = uniform(lit.room, 2, {2, 0, 6});

@@ -20,7 +20,7 @@ Convergence run(const Scale& scale, Change&& change) {
 }
 
 TEST(ConvergenceTest, EndsWhereWhatIsLeftIsSmallBesideTheMean) {
-  const Convergence state = run({1, 1}, [](std::uint32_t k) { return std::pow(0.5, k); });
+  const Convergence state = run({1, 1, 0.5}, [](std::uint32_t k) { return std::pow(0.5, k); });
   EXPECT_TRUE(state.converged);
   EXPECT_LE(state.error_left, kIterationError);
   EXPECT_NEAR(state.iterations, std::log2(1 / kIterationError), 2);
@@ -28,20 +28,29 @@ TEST(ConvergenceTest, EndsWhereWhatIsLeftIsSmallBesideTheMean) {
 
 // One patch beside a lamp is 100 times as bright as the mean: its last place is 1e-5 of that.
 TEST(ConvergenceTest, EndsWhereRoundingOfTheBrightestGoesRoundInCircles) {
-  const Convergence state =
-      run({1, 100}, [](std::uint32_t k) { return std::max(std::pow(0.5, k), k % 2 == 0 ? 3e-5 : 2e-5); });
+  const Convergence state = run(
+      {1, 100, 0.8}, [](std::uint32_t k) { return std::max(std::pow(0.5, k), k % 2 == 0 ? 3e-5 : 2e-5); });
   EXPECT_TRUE(state.converged);
   EXPECT_LT(state.iterations, 40u);
 }
 
+// As slow as the reflectance allows.
 TEST(ConvergenceTest, DoesNotTakeSlowProgressForRounding) {
-  const Convergence state = run({1, 100}, [](std::uint32_t k) { return 1e-4 * std::pow(0.99, k); });
-  EXPECT_TRUE(state.converged);
-  EXPECT_LE(state.error_left, kIterationError);
+  for (const double rho : {0.9, 0.99, 0.995}) {
+    const Convergence state = run({1, 100, rho}, [&](std::uint32_t k) { return 1e-4 * std::pow(rho, k); });
+    EXPECT_TRUE(state.converged) << rho;
+    EXPECT_LE(state.error_left, kIterationError) << rho;
+  }
+}
+
+TEST(ConvergenceTest, LightThatHardlyDiesIsNoRounding) {
+  const Convergence state = run({1, 100, 0.9999}, [](std::uint32_t k) { return 1e-4 * std::pow(0.9999, k); });
+  EXPECT_FALSE(state.converged);
+  EXPECT_EQ(state.iterations, kIterationsMax);
 }
 
 TEST(ConvergenceTest, CirclesThatAreNotOfRoundingAreNoEnd) {
-  const Convergence state = run({1, 100}, [](std::uint32_t) { return 1e-2; });
+  const Convergence state = run({1, 100, 0.5}, [](std::uint32_t) { return 1e-2; });
   EXPECT_FALSE(state.converged);
   EXPECT_EQ(state.iterations, kIterationsMax);
 }

@@ -16,7 +16,7 @@ World moving_room() {
   return World(std::move(scene), std::move(animation), 1.0);
 }
 
-/// The slots in which facets of the contents stop a ray; bit 0 of `at_rest`: one at rest does.
+/// The slots in which facets of the contents stop a ray; `at_rest`: does one at rest?
 SlotMask stopped(const ShaftContents& contents, const Ray& ray, bool& at_rest) {
   RayLanes lanes{};
   lanes.set(0, ray);
@@ -83,8 +83,8 @@ TEST(Occluders, VeryManyAreNotListed) {
     ShaftContents from_one_place, following;
     moving.collect(shaft, true, 0, 11, from_one_place);
     moving.collect(shaft, false, 3, 3, following);
-    EXPECT_EQ(from_one_place.many_moving, copies > 0);
-    EXPECT_EQ(following.many_moving, copies == 300);
+    EXPECT_EQ(from_one_place.some_slots_many(), copies > 0);
+    EXPECT_EQ(following.some_slots_many(), copies == 300);
     EXPECT_FALSE(from_one_place.none_moving());
     EXPECT_FALSE(following.none_moving());
   }

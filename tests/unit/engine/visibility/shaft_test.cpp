@@ -98,6 +98,35 @@ TEST(Shaft, LeavesOutWhatLiesInThePlanesOfItsEndsOrBehindThem) {
   EXPECT_TRUE(meets({Vec3{0.5f, -9, -9}, {0.5f, 9, -9}, {0.5f, 9, 9}, {0.5f, -9, 9}}, {1, 0, 0}));
 }
 
+// Beside a large end the planes about a small one are tilted far: rays start off the ends by their slack.
+TEST(Shaft, OfALargeLightCloseToASmallPatchHoldsItsRays) {
+  Random random(5);
+  int blocked = 0;
+  const auto square = [](float half, float z, float up) {
+    PlacedFacet facet;
+    facet.origin = {-half, -half, z};
+    facet.edge_u = {2 * half, 0, 0};
+    facet.edge_v = {0, 2 * half, 0};
+    facet.normal = {0, 0, up};
+    facet.corners = {facet.origin, {half, -half, z}, {half, half, z}, {-half, half, z}};
+    return facet;
+  };
+  const PlacedFacet patch = square(0.05f, 0, 1), light = square(5, 0.1f, -1);
+  const float slack = 1e-3f;
+  const Shaft shaft({patch.corners, 4, patch.normal, slack}, {light.corners, 4, light.normal, slack});
+  for (int k = 0; k < 20000; ++k) {
+    const Occluder facet(random.facet(0.2f, 0.05f), false);
+    const Vec3 a = random.point_of(patch) + slack * patch.normal,
+               b = random.point_of(light) + slack * light.normal;
+    if (lanes_crossed(facet, {a, b - a, 0.0f, 1.0f}) == 0) continue;
+    ++blocked;
+    FacetLanes lanes;
+    lanes.set(0, facet.corners, facet.normal);
+    ASSERT_EQ(shaft.may_meet(lanes), 1u);
+  }
+  EXPECT_GT(blocked, 50);
+}
+
 TEST(Shaft, OfAPointHoldsTheRaysToIt) {
   Random random(2);
   int blocked = 0;
