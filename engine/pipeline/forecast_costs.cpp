@@ -23,25 +23,30 @@ double updates(const JobSize& size, double lines, double frames) {
   return lines * size.crossings_per_line * size.bounces * frames;
 }
 
-/// Its lines, coarse direct light, and the gathering of every frame.
-double estimate_pass_s(const JobSize& n, const MachinePace& m) {
-  if (n.coarse_patches == 0 || n.frames == 1) return 0.01;
-  return 8 * n.estimate_lines * m.line_s + 2 * n.coarse_patches * n.lights * n.light_samples * m.ray_s +
-         2.4 * updates(n, n.estimate_lines, n.frames) * m.update_s;
+/// Coarse direct light.
+double estimate_direct_s(const JobSize& n, const MachinePace& m) {
+  if (n.coarse_patches == 0 || n.frames == 1) return 1e-3;
+  return 0.02 + 8 * n.coarse_patches * n.lights * n.light_samples * m.ray_s;
+}
+
+/// Its lines, and the gathering of every frame. Once: where noise leaves open which frames are keys, lines
+/// are added, up to eight times as many in all; the scenes where that is so cannot be told beforehand.
+double estimate_lines_s(const JobSize& n, const MachinePace& m) {
+  if (n.coarse_patches == 0 || n.frames == 1) return 1e-3;
+  return 8 * n.estimate_lines * m.line_s + 2.4 * updates(n, n.estimate_lines, n.frames) * m.update_s;
 }
 
 /// What moves is traced in every frame and solved as a difference in those that are solved, for each of the
 /// parts that the lines come in.
 double difference_s(const JobSize& n, const MachinePace& m) {
   const double frames = n.frames + 3 * n.solved_frames;
-  return n.moving_share > 0 ? 47 * n.bounces * n.patches * frames * m.update_s : 0;
+  return n.moving_share > 0 ? 61 * n.bounces * n.patches * frames * m.update_s : 0;
 }
 
 constexpr std::array kCosts{
     Cost{Stage::patches, true, [](auto& n, auto& m) { return (20 * n.facets + 2 * n.patches) * m.update_s; }},
-    Cost{Stage::estimate, true, [](auto& n, auto& m) { return estimate_pass_s(n, m); }},
-    // Where noise leaves open which frames are keys, lines are added: some three times as many again.
-    Cost{Stage::keyframes, true, [](auto& n, auto& m) { return 3 * estimate_pass_s(n, m); }},
+    Cost{Stage::estimate, true, [](auto& n, auto& m) { return estimate_direct_s(n, m); }},
+    Cost{Stage::keyframes, true, [](auto& n, auto& m) { return estimate_lines_s(n, m); }},
     Cost{Stage::direct, true,
          [](auto& n, auto& m) {
            const double rays = 1.5 * n.patches * n.lights * n.light_samples;
@@ -50,10 +55,10 @@ constexpr std::array kCosts{
     // The scene at rest is solved once, whatever the frames.
     Cost{Stage::solve, true,
          [](auto& n, auto& m) {
-           return 0.28 + 1.6 * n.lines * m.line_s + 8 * n.lines * n.crossings_per_line * m.update_s +
-                  0.6 * updates(n, n.lines, 1) * m.update_s + difference_s(n, m);
+           return 0.36 + 2.1 * n.lines * m.line_s + 10 * n.lines * n.crossings_per_line * m.update_s +
+                  0.8 * updates(n, n.lines, 1) * m.update_s + difference_s(n, m);
          }},
-    Cost{Stage::interpolate, false, [](auto& n, auto& m) { return 3 * n.patches * n.frames * m.update_s; }},
+    Cost{Stage::interpolate, false, [](auto& n, auto& m) { return 12 * n.patches * n.frames * m.update_s; }},
     Cost{Stage::images, true,
          [](auto& n, auto& m) {
            if (n.pixels == 0) return 1e-3;
@@ -61,7 +66,7 @@ constexpr std::array kCosts{
          }},
     Cost{Stage::publish, false,
          [](auto& n, auto& m) {
-           return 0.015 + (6 * n.patches * n.frames * n.series + 1 * n.pixels) * m.update_s;
+           return 0.015 + (10 * n.patches * n.frames * n.series + 1 * n.pixels) * m.update_s;
          }},
 };
 
@@ -84,7 +89,7 @@ double traced_bytes(const JobSize& size, double lines) {
 
 /// Held at once while the estimate is made, the sequence solved, or put together and shown.
 double estimate_bytes(const JobSize& n) {
-  return 5 * series_bytes(n.coarse_patches, n.frames) + traced_bytes(n, n.estimate_lines / 4);
+  return 17 * series_bytes(n.coarse_patches, n.frames) + traced_bytes(n, n.estimate_lines / 4);
 }
 double solve_bytes(const JobSize& n) {
   return series_bytes(n.patches, n.frames) + 3 * series_bytes(n.patches, n.solved_frames) +
