@@ -102,7 +102,8 @@ std::uint32_t Shaft::may_meet(const FacetLanes& facets) const {
       highest[k] = std::max(highest[k], height);
     }
   std::array<std::uint32_t, kLanes> outside;
-  for (std::size_t k = 0; k < kLanes; ++k) outside[k] = (lowest[k] >= -slack_m_) | (highest[k] <= slack_m_);
+  for (std::size_t k = 0; k < kLanes; ++k)
+    outside[k] = (lowest[k] >= -slack_m_ ? 1u : 0u) | (highest[k] <= slack_m_ ? 1u : 0u);
   for (std::size_t p = 0; p < kPlanes; ++p)
     for (std::size_t k = 0; k < kLanes; ++k) {
       const auto along = [&](std::size_t c) {

@@ -205,7 +205,7 @@ def code_blocks(markdown):
         yield from block.replace("\\\n", " ").splitlines()
 
 
-COMMANDS = {"(", ")", "cat", "cmake", "ctest", "curl", "do", "done", "python3", "sleep", "until"}
+COMMANDS = {"(", ")", "cat", "cmake", "cp", "ctest", "curl", "do", "done", "mkdir", "python3", "sleep", "until"}
 
 
 def first_word(line):
