@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "engine/direct/direct_checkpoint.h"
+
 namespace engine {
 namespace {
 
@@ -31,9 +33,7 @@ class DirectSteps {
     std::vector<CheckpointPart> parts{part_of_checkpoint(done)};
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       if (!begun(g, done)) break;
-      parts.push_back(part_of_checkpoint(groups_[g].direct.irradiance_w_m2.values));
-      parts.push_back(part_of_checkpoint(groups_[g].direct.at_rest_w_m2));
-      parts.push_back(part_of_checkpoint(groups_[g].direct.counts));
+      add_parts(groups_[g].direct, parts);
     }
     (void)files_->save(kEstimateDirectName, parts);  // one that fails costs time only if the run is killed
   }
@@ -46,11 +46,7 @@ class DirectSteps {
     if (!saved || !saved->take(done)) return {};
     for (std::size_t g = 0; g < groups_.size() && begun(g, done); ++g) {
       DirectLight found = empty;
-      if (!saved->take(found.irradiance_w_m2.values) || !saved->take(found.at_rest_w_m2) ||
-          !saved->take(found.counts) ||
-          found.irradiance_w_m2.values.size() != empty.irradiance_w_m2.values.size() ||
-          found.at_rest_w_m2.size() != empty.at_rest_w_m2.size())
-        return {};
+      if (!take(*saved, found)) return {};
       groups_[g].direct = std::move(found);
     }
     return done;

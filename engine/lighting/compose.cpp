@@ -61,6 +61,7 @@ void add_direct_irradiance(std::span<const LitGroup* const> groups, std::span<co
                            PatchSeries& sum) {
   for (const LitGroup* lit : groups) {
     const PatchSeries& direct = lit->direct.irradiance_w_m2;
+    if (direct.values.empty()) continue;
     for_each_patch(sum.patch_count, {}, [&](PatchId patch) {
       for (std::uint32_t k = 0; k < frames.size(); ++k)
         sum.at(patch, k) +=
@@ -78,6 +79,12 @@ void to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
           in_frame(group->group.scale, frames[k]) * lit.exitance(group->group.emission, patch, frames[k]);
     return exitance + lit.reflectance(patch, frames[k]) * arriving;
   });
+}
+
+void add_direct_to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
+                             std::span<const FrameIndex> frames, PatchSeries& indirect) {
+  add_direct_irradiance(groups, frames, indirect);
+  to_radiosity(lit, groups, frames, indirect);
 }
 
 void to_standard_error(const LitScene& lit, std::span<const LitGroup* const> groups,

@@ -20,7 +20,8 @@ struct LitGroup {
 std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups);
 
 /// Adds the irradiance from all of `groups`, sum_g scale_g(f) H_g  [W/m^2], [patch][position in `frames`].
-/// Their direct light is that of `frames`, or of every frame of the animation.
+/// Their direct light is that of `frames`, or of every frame of the animation; none where lines carry
+/// everything.
 void add_direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames,
                            PatchSeries& sum);
 
@@ -28,6 +29,10 @@ void add_direct_irradiance(std::span<const LitGroup* const> groups, std::span<co
 /// patch's object is not there.
 void to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
                   std::span<const FrameIndex> frames, PatchSeries& irradiance);
+
+/// The same of the indirect irradiance alone: direct light is added first, where lines do not carry it.
+void add_direct_to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
+                             std::span<const FrameIndex> frames, PatchSeries& indirect);
 
 /// Standard error of B, in place of the variance of the indirect irradiance, per channel:
 ///

@@ -47,8 +47,7 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
   FrameLight light;
   const auto all = pointers_to(groups);
   light.radiosity_w_m2 = arriving.mean();
-  if (apart) add(groups[0].direct.irradiance_w_m2, light.radiosity_w_m2);
-  to_radiosity(lit, all, frame, light.radiosity_w_m2);
+  add_direct_to_radiosity(lit, all, frame, light.radiosity_w_m2);
   if (!wants_errors(options)) return light;
   light.standard_error_w_m2 = arriving.variance();
   to_standard_error(lit, all, frame, light.standard_error_w_m2);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "engine/base/sobol.h"
+#include "engine/direct/direct_checkpoint.h"
 
 namespace engine {
 namespace {
@@ -90,21 +91,16 @@ class DirectPass {
 
   void save(std::size_t g, PatchId done, const DirectLight& direct) {
     has_saved_ = true;
-    // A checkpoint that fails costs time only if the run is killed.
-    (void)checkpoints_.save(
-        name(g), {part_of_checkpoint(done), part_of_checkpoint(direct.irradiance_w_m2.values),
-                  part_of_checkpoint(direct.variance.values), part_of_checkpoint(direct.at_rest_w_m2),
-                  part_of_checkpoint(direct.counts)});
+    std::vector<CheckpointPart> parts{part_of_checkpoint(done)};
+    add_parts(direct, parts);
+    (void)checkpoints_.save(name(g), parts);  // one that fails costs time only if the run is killed
   }
 
   PatchId saved(std::size_t g, DirectLight& direct) {
     auto checkpoint = checkpoints_.load(name(g));
     PatchId done = 0;
     DirectLight found = direct;
-    if (!checkpoint || !checkpoint->take(done) || !checkpoint->take(found.irradiance_w_m2.values) ||
-        !checkpoint->take(found.variance.values) || !checkpoint->take(found.at_rest_w_m2) ||
-        !checkpoint->take(found.counts))
-      return 0;
+    if (!checkpoint || !checkpoint->take(done) || !take(*checkpoint, found)) return 0;
     direct = std::move(found);
     has_saved_ = true;
     return done;
@@ -149,12 +145,7 @@ double share_after(std::uint32_t done, std::uint32_t needed) {
 
 api::Status save_mean(Passes passes, const std::vector<LitGroup>& groups, Checkpoints& checkpoints) {
   std::vector<CheckpointPart> parts{part_of_checkpoint(passes)};
-  for (const LitGroup& group : groups) {
-    parts.push_back(part_of_checkpoint(group.direct.irradiance_w_m2.values));
-    parts.push_back(part_of_checkpoint(group.direct.variance.values));
-    parts.push_back(part_of_checkpoint(group.direct.at_rest_w_m2));
-    parts.push_back(part_of_checkpoint(group.direct.counts));
-  }
+  for (const LitGroup& group : groups) add_parts(group.direct, parts);
   return checkpoints.save(kMeanName, parts);
 }
 
@@ -166,9 +157,8 @@ Passes load_mean(const Checkpoints& checkpoints, PatchSeries room, std::vector<L
   for (LitGroup& group : groups) {
     DirectLight& direct = group.direct;
     direct.irradiance_w_m2 = direct.variance = room;
-    if (!saved->take(direct.irradiance_w_m2.values) || !saved->take(direct.variance.values) ||
-        !saved->take(direct.at_rest_w_m2) || !saved->take(direct.counts))
-      return {};
+    direct.at_rest_w_m2.resize(room.patch_count);
+    if (!take(*saved, direct)) return {};
   }
   return passes;
 }
@@ -181,8 +171,7 @@ double noise_of(const LitScene& lit, const std::vector<LitGroup>& groups,
   PatchSeries error(lit.patches.count(), static_cast<std::uint32_t>(frames.size()));
   to_standard_error(lit, all, frames, error);
   PatchSeries reflected(lit.patches.count(), static_cast<std::uint32_t>(frames.size()));
-  add_direct_irradiance(all, frames, reflected);
-  to_radiosity(lit, all, frames, reflected);
+  add_direct_to_radiosity(lit, all, frames, reflected);
   const double mean = mean_radiosity(lit, reflected);
   return mean > 0 ? root_mean_square_error(lit, error) / mean : 0;
 }

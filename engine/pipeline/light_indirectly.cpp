@@ -254,8 +254,7 @@ class IndirectSolver {
   CheckedRadiosity radiosity_at_checks() const {
     PatchSeries arriving = mean_->mean();
     const auto all = pointers_to(groups_);
-    if (options_.direct == api::DirectLight::apart) add_direct_irradiance(all, frames_, arriving);
-    to_radiosity(lit_, all, frames_, arriving);
+    add_direct_to_radiosity(lit_, all, frames_, arriving);
     CheckedRadiosity found{
         PatchSeries(arriving.patch_count, static_cast<std::uint32_t>(chosen_.checks.size())),
         mean_radiosity(lit_, arriving)};
@@ -271,7 +270,7 @@ class IndirectSolver {
   /// Where a target error is not met: so many replicates more that it should be.
   void ask_for_more() {
     if (!options_.target_error || replicates_ >= kReplicatesMax) return;
-    const LinesSpent spent{replicates_, noise_of(lit_, groups_, options_, frames_, *mean_)};
+    const LinesSpent spent{replicates_, noise_of(lit_, groups_, frames_, *mean_)};
     const auto wanted = replicates_for(*options_.target_error, spent_before_, spent);
     spent_before_ = spent;
     const std::uint32_t most = std::max(replicates_, kReplicatesMax / block_ * block_);

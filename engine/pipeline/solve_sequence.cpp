@@ -104,8 +104,7 @@ class Composer {
   /// Of the groups named `name`, or of all (null); `indirect` in their frames.
   PatchSeries radiosity(const std::string* name, PatchSeries indirect) const {
     const auto of_name = named(name);
-    if (options_.direct == api::DirectLight::apart) add_direct_irradiance(of_name, frames_, indirect);
-    to_radiosity(lit_, of_name, frames_, indirect);
+    add_direct_to_radiosity(lit_, of_name, frames_, indirect);
     return in_every_frame(std::move(indirect), options_.interpolation);
   }
 

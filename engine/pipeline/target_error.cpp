@@ -8,12 +8,11 @@
 
 namespace engine {
 
-Noise noise_of(const LitScene& lit, const std::vector<LitGroup>& groups, const api::LightingOptions& options,
-               std::span<const FrameIndex> frames, const ReplicateMean& arriving) {
+Noise noise_of(const LitScene& lit, const std::vector<LitGroup>& groups, std::span<const FrameIndex> frames,
+               const ReplicateMean& arriving) {
   const auto all = pointers_to(groups);
   PatchSeries radiosity = arriving.mean();
-  if (options.direct == api::DirectLight::apart) add_direct_irradiance(all, frames, radiosity);
-  to_radiosity(lit, all, frames, radiosity);
+  add_direct_to_radiosity(lit, all, frames, radiosity);
   const double mean = mean_radiosity(lit, radiosity);
   if (!(mean > 0)) return {};
   PatchSeries whole = arriving.variance(), of_lines = whole;

@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "api/lighting_options.h"
 #include "engine/lighting/compose.h"
 #include "engine/lighting/replicate_mean.h"
 
@@ -18,8 +17,8 @@ struct Noise {
 };
 
 /// `arriving`: indirect irradiance of all groups, [patch][position in `frames`], two replicates at least.
-Noise noise_of(const LitScene& lit, const std::vector<LitGroup>& groups, const api::LightingOptions& options,
-               std::span<const FrameIndex> frames, const ReplicateMean& arriving);
+Noise noise_of(const LitScene& lit, const std::vector<LitGroup>& groups, std::span<const FrameIndex> frames,
+               const ReplicateMean& arriving);
 
 /// What so many replicates came to.
 struct LinesSpent {
