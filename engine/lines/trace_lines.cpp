@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::uint64_t kLinesPerChunk = 4096;
 
+}  // namespace
+
 CrossingCounts empty_counts(const Patches& patches, const Animation& animation,
                             std::span<const FrameIndex> frames) {
   CrossingCounts counts;
@@ -31,8 +33,6 @@ CrossingCounts empty_counts(const Patches& patches, const Animation& animation,
   counts.moving_count.assign(std::size_t{rows} * counts.slot_count, 0);
   return counts;
 }
-
-}  // namespace
 
 api::Result<TracedLines> trace_lines(const Patches& patches, const Animation& animation,
                                      const StaticRays& static_rays, std::span<const FrameIndex> frames,

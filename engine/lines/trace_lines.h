@@ -77,6 +77,10 @@ struct CrossingCounts {
   }
 };
 
+/// What lines through the window `frames` are counted into.
+CrossingCounts empty_counts(const Patches& patches, const Animation& animation,
+                            std::span<const FrameIndex> frames);
+
 struct TracingCounts {
   std::uint64_t lines = 0;
   std::uint64_t static_hits = 0;

@@ -57,11 +57,12 @@ RTCRay to_embree(const Ray& ray) {
   return shot;
 }
 
-FacetBvh::FacetBvh(std::vector<PlacedFacet> items, const Patches& patches) : items_(std::move(items)) {
+FacetBvh::FacetBvh(std::vector<PlacedFacet> items, const Patches& patches, RTCSceneFlags flags)
+    : items_(std::move(items)) {
   for (std::uint32_t i = 0; i < items_.size(); ++i)
     item_of_[patches.facets[items_[i].facet].is_triangle ? kTriangles : kQuads].push_back(i);
   scene_ = rtcNewScene(device());
-  rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | embree::kFilterFlag));
+  rtcSetSceneFlags(scene_, flags);
   attach(kQuads, item_of_[kQuads]);
   attach(kTriangles, item_of_[kTriangles]);
   rtcCommitScene(scene_);
@@ -118,6 +119,14 @@ bool FacetBvh::any_hit(const Ray& ray) const {
   RTCRay shot = to_embree(ray);
   embree::occluded(scene_, shot, nullptr, nullptr);
   return shot.tfar < 0;
+}
+
+bool FacetBvh::hits_anything_first(const Ray& ray) const {
+  RTCRayHit shot;
+  shot.ray = to_embree(ray);
+  shot.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  embree::intersect(scene_, shot, nullptr, nullptr);
+  return shot.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 
 }  // namespace engine

@@ -28,7 +28,11 @@ inline bool is_before(const ItemHit& a, const ItemHit& b) {
 
 class FacetBvh {
  public:
-  FacetBvh(std::vector<PlacedFacet> items, const Patches& patches);
+  static constexpr auto kFlags =
+      static_cast<RTCSceneFlags>(unsigned{RTC_SCENE_FLAG_ROBUST} | unsigned{embree::kFilterFlag});
+
+  /// With RTC_SCENE_FLAG_ROBUST and filters unless it is asked for other scene flags.
+  FacetBvh(std::vector<PlacedFacet> items, const Patches& patches, RTCSceneFlags flags = kFlags);
   ~FacetBvh();
   FacetBvh(const FacetBvh&) = delete;
   FacetBvh& operator=(const FacetBvh&) = delete;
@@ -44,6 +48,9 @@ class FacetBvh {
   bool any_hit(const Ray& ray, Accept&& accept) const;
 
   bool any_hit(const Ray& ray) const;
+
+  /// Embree's own nearest hit, of which nothing is kept.
+  bool hits_anything_first(const Ray& ray) const;
 
   /// The nearest item of those that `accept` takes; of several at exactly that distance one met from its
   /// front, and of those the lowest: at the silhouette of a closed thing its dark inside is not seen. Which

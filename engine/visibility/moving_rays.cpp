@@ -1,26 +1,9 @@
 #include "engine/visibility/coincident.h"
 #include "engine/visibility/facet_bvh.h"
+#include "engine/visibility/scene_facets.h"
 
 namespace engine {
 namespace {
-
-std::vector<PlacedFacet> moving_facets(const Patches& patches, const Animation& animation,
-                                       std::span<const FrameIndex> frames) {
-  std::vector<std::vector<PlacedRange>> ranges(animation.objects.size());
-  for (std::size_t o = 0; o < ranges.size(); ++o)
-    if (!animation.objects[o].is_static(animation.frame_count))
-      ranges[o] = placed_ranges(animation.objects[o], frames);
-
-  std::vector<PlacedFacet> placed;
-  for (std::uint32_t f = 0; f < patches.facets.size(); ++f)
-    for (const PlacedRange& range : ranges[patches.facets[f].object]) {
-      placed.push_back(place(patches.facets[f], *range.pose));
-      placed.back().facet = f;
-      placed.back().first_slot = range.first_slot;
-      placed.back().last_slot = range.last_slot;
-    }
-  return placed;
-}
 
 bool overlap(const MovingHit& a, const MovingHit& b) {
   return a.first_slot <= b.last_slot && b.first_slot <= a.last_slot;

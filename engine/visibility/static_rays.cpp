@@ -1,22 +1,8 @@
 #include "engine/visibility/coincident.h"
 #include "engine/visibility/facet_bvh.h"
+#include "engine/visibility/scene_facets.h"
 
 namespace engine {
-namespace {
-
-std::vector<PlacedFacet> static_facets(const Patches& patches, const Animation& animation) {
-  std::vector<PlacedFacet> placed;
-  for (std::uint32_t f = 0; f < patches.facets.size(); ++f) {
-    const ObjectMotion& motion = animation.objects[patches.facets[f].object];
-    if (!motion.is_static(animation.frame_count)) continue;
-    placed.push_back(place(patches.facets[f], motion.spans[0].pose));
-    placed.back().facet = f;
-  }
-  return placed;
-}
-
-}  // namespace
-
 struct StaticRays::Impl {
   FacetBvh bvh;
 
