@@ -37,26 +37,32 @@ Vec3 area_vector(std::span<const Vec3> corners) {
   return 0.5f * sum;
 }
 
-std::vector<std::array<std::uint32_t, 3>> clip_ears(std::span<const Vec3> corners) {
+std::span<const std::array<std::uint32_t, 3>> EarClipping::clip(std::span<const Vec3> corners) {
   const Vec3 normal = area_vector(corners);
-  std::vector<std::uint32_t> ring(corners.size());
-  std::iota(ring.begin(), ring.end(), 0u);
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  while (ring.size() > 3) {
+  ring_.resize(corners.size());
+  std::iota(ring_.begin(), ring_.end(), 0u);
+  triangles_.clear();
+  while (ring_.size() > 3) {
     std::size_t ear = 1;
-    for (std::size_t k = 0; k < ring.size(); ++k) {
-      const std::size_t tried = (k + 1) % ring.size();  // corner 1 first: a convex polygon becomes a fan
-      if (is_ear(corners, ring, tried, normal)) {
+    for (std::size_t k = 0; k < ring_.size(); ++k) {
+      const std::size_t tried = (k + 1) % ring_.size();  // corner 1 first: a convex polygon becomes a fan
+      if (is_ear(corners, ring_, tried, normal)) {
         ear = tried;
         break;
       }
     }
-    const std::size_t n = ring.size();
-    triangles.push_back({ring[(ear + n - 1) % n], ring[ear], ring[(ear + 1) % n]});
-    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(ear));
+    const std::size_t n = ring_.size();
+    triangles_.push_back({ring_[(ear + n - 1) % n], ring_[ear], ring_[(ear + 1) % n]});
+    ring_.erase(ring_.begin() + static_cast<std::ptrdiff_t>(ear));
   }
-  triangles.push_back({ring[0], ring[1], ring[2]});
-  return triangles;
+  triangles_.push_back({ring_[0], ring_[1], ring_[2]});
+  return triangles_;
+}
+
+std::vector<std::array<std::uint32_t, 3>> clip_ears(std::span<const Vec3> corners) {
+  EarClipping ears;
+  const auto triangles = ears.clip(corners);
+  return {triangles.begin(), triangles.end()};
 }
 
 }  // namespace engine

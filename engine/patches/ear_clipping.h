@@ -15,6 +15,17 @@ namespace engine {
 /// the rest is fanned. Source: Meisters, "Polygons have ears", 1975.
 std::vector<std::array<std::uint32_t, 3>> clip_ears(std::span<const Vec3> corners);
 
+/// The same for many polygons, one after the other, in the same memory.
+class EarClipping {
+ public:
+  /// Valid until the next call.
+  std::span<const std::array<std::uint32_t, 3>> clip(std::span<const Vec3> corners);
+
+ private:
+  std::vector<std::uint32_t> ring_;  ///< the corners that are left
+  std::vector<std::array<std::uint32_t, 3>> triangles_;
+};
+
 /// Area vector of a closed polygon: its length is the area, its direction the normal (Newell).
 Vec3 area_vector(std::span<const Vec3> corners);
 

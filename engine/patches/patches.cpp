@@ -58,7 +58,7 @@ Facet facet_at(std::span<const Vec3> corners, const MeshOptions& options) {
   const double cut_m = cut_edge_m(facet, options);
   const auto [u, v] = edges_of(facet);
   facet.grid_u = parts_of(u, cut_m);
-  facet.grid_v = parts_of(v, cut_m);
+  facet.grid_v = is_triangle ? facet.grid_u : parts_of(v, cut_m);
   return facet;
 }
 
@@ -68,49 +68,50 @@ bool has_area(const Facet& facet) {
   return std::isfinite(facet.area_m2) && facet.area_m2 > 1e-7f * size * size;
 }
 
-/// Appends the patches of `facet`. False beyond kPatchesMax.
-bool append(Patches& patches, Facet facet) {
-  const std::uint64_t cells = std::uint64_t{facet.grid_u} * facet.grid_v;
-  const std::uint64_t total = patches.count() + cells * (facet.both_sides ? 2 : 1);
-  if (total > kPatchesMax) return false;
-  facet.first_patch = patches.count();
-  const auto index = static_cast<std::uint32_t>(patches.facets.size());
-  patches.facet_of.resize(total, index);
-  patches.area_m2.resize(total, facet.area_m2 / static_cast<float>(cells));
-  patches.facets.push_back(std::move(facet));
-  return true;
+/// What one polygon needs after another, so that none of them allocates.
+struct FacetScratch {
+  std::vector<Vec3> corners;
+  EarClipping ears;
+};
+
+/// Calls `use` with the facets of a polygon whose corners are scratch.corners.
+template <class Use>
+void for_each_facet_of(FacetScratch& scratch, const MeshOptions& options, Use use) {
+  const std::span<const Vec3> corners = scratch.corners;
+  if (corners.size() == 3 || is_parallelogram(corners)) return use(facet_at(corners, options));
+  for (const auto& [a, b, c] : scratch.ears.clip(corners))
+    use(facet_at(std::array{corners[a], corners[b], corners[c]}, options));
 }
 
-std::vector<Facet> facets_of(std::span<const Vec3> corners, const MeshOptions& options) {
-  if (is_parallelogram(corners)) return {facet_at(corners, options)};
-  std::vector<Facet> facets;
-  for (const auto& [a, b, c] : clip_ears(corners))
-    facets.push_back(facet_at(std::array{corners[a], corners[b], corners[c]}, options));
-  return facets;
-}
-
-/// Calls `use(facet)` for every facet that has an area until it answers false. The number of those without.
+/// Calls `use(facet)` for every facet that has an area. The number of those without.
 template <class Use>
 std::uint64_t for_each_facet(const Scene& scene, const MeshOptions& options, Use use) {
   std::uint64_t dropped = 0;
-  std::vector<Vec3> corners;
+  FacetScratch scratch;
   for (std::uint32_t p = 0; p < scene.polygons.size(); ++p) {
     const Polygon& polygon = scene.polygons[p];
-    corners.clear();
+    scratch.corners.clear();
     for (std::uint32_t c = 0; c < polygon.corner_count; ++c)
-      corners.push_back(scene.vertices[scene.corners[polygon.first_corner + c]]);
-    for (Facet& facet : facets_of(corners, options)) {
+      scratch.corners.push_back(scene.vertices[scene.corners[polygon.first_corner + c]]);
+    for_each_facet_of(scratch, options, [&](Facet&& facet) {
       facet.object = polygon.object;
       facet.material = polygon.material;
       facet.polygon = p;
       facet.both_sides = scene.materials[polygon.material].both_sides;
-      if (!has_area(facet))
+      if (has_area(facet))
+        use(std::move(facet));
+      else
         ++dropped;
-      else if (!use(facet))
-        return dropped;
-    }
+    });
   }
   return dropped;
+}
+
+/// No fewer than for_each_facet visits: their list is then allocated once, and not copied while it grows.
+std::size_t facets_at_most(const Scene& scene) {
+  std::size_t count = 0;
+  for (const Polygon& polygon : scene.polygons) count += polygon.corner_count - 2;
+  return count;
 }
 
 api::Error without_area() {
@@ -119,6 +120,23 @@ api::Error without_area() {
 
 /// Sums of 1e7 polygons of 1e12 cells would overflow.
 constexpr std::uint64_t kCountedMax = 1'000'000'000'000'000;
+
+/// Of a facet without trees.
+std::uint64_t patch_count_of_grid(const Facet& facet) {
+  return std::uint64_t{facet.grid_u} * facet.grid_v * (facet.both_sides ? 2 : 1);
+}
+
+/// Sets facet_of and area_m2 of facets without trees, `total` patches together.
+void fill_grid_patches(Patches& patches, std::uint64_t total) {
+  patches.facet_of.reserve(total);
+  patches.area_m2.reserve(total);
+  for (std::uint32_t f = 0; f < patches.facets.size(); ++f) {
+    const Facet& facet = patches.facets[f];
+    const float area_m2 = facet.area_m2 / static_cast<float>(facet.grid_cells());
+    patches.facet_of.insert(patches.facet_of.end(), facet.patch_count(), f);
+    patches.area_m2.insert(patches.area_m2.end(), facet.patch_count(), area_m2);
+  }
+}
 
 /// Counts first_leaf of every tree; an empty list where none of them is quartered.
 void number_leaves(Facet& facet) {
@@ -143,16 +161,19 @@ void append_areas(const Facet& facet, std::vector<float>& area_m2) {
 
 api::Result<Patches> mesh_into_patches(const Scene& scene, const MeshOptions& options) {
   Patches patches;
-  bool fits = true;
-  patches.dropped_facets = for_each_facet(scene, options, [&](const Facet& facet) {
-    fits = append(patches, facet);
-    return fits;
+  patches.facets.reserve(facets_at_most(scene));
+  std::uint64_t total = 0;
+  patches.dropped_facets = for_each_facet(scene, options, [&](Facet&& facet) {
+    facet.first_patch = static_cast<PatchId>(total);
+    total = std::min(kCountedMax, total + patch_count_of_grid(facet));
+    if (total <= kPatchesMax) patches.facets.push_back(std::move(facet));
   });
-  if (!fits)
+  if (total > kPatchesMax)
     return api::Error{api::Fault::out_of_resources, "the scene cuts into more than " +
                                                         std::to_string(kPatchesMax) +
                                                         " patches; choose a larger patch_edge_m"};
-  if (patches.count() == 0) return without_area();
+  if (total == 0) return without_area();
+  fill_grid_patches(patches, total);
   return patches;
 }
 
@@ -164,11 +185,10 @@ api::Result<PatchCount> count_patches(const Scene& scene, const MeshOptions& opt
   PatchCount count;
   const bool adaptive = options.layout == api::PatchLayout::adaptive;
   count.dropped_facets = for_each_facet(scene, options, [&](const Facet& facet) {
-    const std::uint64_t cells = std::uint64_t{facet.grid_u} * facet.grid_v * (facet.both_sides ? 2 : 1);
+    const std::uint64_t cells = patch_count_of_grid(facet);
     const std::uint32_t levels = adaptive ? levels_of(facet, options.patch_edge_m) : 0;
     count.patches = std::min(kCountedMax, count.patches + cells);
     count.finest = std::min(kCountedMax, count.finest + (cells << 2 * levels));
-    return true;
   });
   if (count.patches == 0) return without_area();
   return count;

@@ -21,25 +21,25 @@ Size size_of(const Scene& scene, const std::uint32_t* corners, std::uint32_t cou
   using Point = std::array<double, 3>;
   const Vec3 origin = scene.vertices[corners[0]];
   const auto point = [&](std::uint32_t i) -> Point {
-    const Vec3 p = scene.vertices[corners[i % count]];
+    const Vec3 p = scene.vertices[corners[i]];
     return {double{p.x} - origin.x, double{p.y} - origin.y, double{p.z} - origin.z};
   };
-  Size size;
+  double longest = 0, shortest = std::numeric_limits<double>::infinity();
   Point normal{};
   Point a = point(0);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Point b = point(i + 1);
+    const Point b = point(i + 1 < count ? i + 1 : 0);
     normal[0] += a[1] * b[2] - a[2] * b[1];
     normal[1] += a[2] * b[0] - a[0] * b[2];
     normal[2] += a[0] * b[1] - a[1] * b[0];
-    const double edge = std::sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) +
-                                  (b[2] - a[2]) * (b[2] - a[2]));
-    size.longest_edge = std::max(size.longest_edge, edge);
-    size.shortest_edge = std::min(size.shortest_edge, edge);
+    const double squared =
+        (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) + (b[2] - a[2]) * (b[2] - a[2]);
+    longest = std::max(longest, squared);
+    shortest = std::min(shortest, squared);
     a = b;
   }
-  size.area = 0.5 * std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-  return size;
+  const double area = 0.5 * std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+  return {area, std::sqrt(longest), std::sqrt(shortest)};
 }
 
 void move_corner(Scene& scene, std::uint32_t from, std::uint32_t to) {
@@ -54,7 +54,8 @@ std::uint32_t move_corners(Scene& scene, const Polygon& polygon, std::uint32_t t
   for (std::uint32_t i = 0; i < polygon.corner_count; ++i) {
     const std::uint32_t corner = polygon.first_corner + i;
     if (count > 0 && at(corner) == at(to + count - 1)) continue;
-    move_corner(scene, corner, to + count++);
+    if (corner != to + count) move_corner(scene, corner, to + count);
+    ++count;
   }
   while (count > 1 && at(to) == at(to + count - 1)) --count;
   return count;

@@ -21,6 +21,21 @@ void add_index(std::vector<std::uint32_t>& indices, std::size_t at, std::int64_t
   indices.push_back(one_based == 0 ? kNoIndex : static_cast<std::uint32_t>(one_based - 1));
 }
 
+/// As std::from_chars, for the few digits of nearly every index: null where there are none or more.
+const char* parse_few_digits(const char* at, const char* end, std::int64_t& number) {
+  const char* const last = end - at > 9 ? at + 9 : end;
+  std::uint32_t value = 0;
+  const char* c = at;
+  for (; c < last; ++c) {
+    const auto digit = static_cast<unsigned>(*c - '0');
+    if (digit > 9) break;
+    value = 10 * value + digit;
+  }
+  if (c == at || (c == last && last != end)) return nullptr;
+  number = value;
+  return c;
+}
+
 }  // namespace
 
 /// Reads words up to the end of the statement. Answers how many there were; `good` only if all are numbers.
@@ -95,6 +110,18 @@ void ObjReader::take_normal(Tokens& words, const Token& keyword) {
 /// Reads the index at `at` and moves past it. `index` becomes 1-based. An index that lies outside what there
 /// is becomes a violation.
 bool ObjReader::take_index(const Token& word, const char*& at, IndexKind kind, std::int64_t& index) {
+  const char* const end = word.text.data() + word.text.size();
+  const char* const plain = parse_few_digits(at, end, index);
+  if (plain && index > 0 && (!final_counts_ || index <= static_cast<std::int64_t>((*final_counts_)[kind]))) {
+    at = plain;
+    highest_[kind] = std::max(highest_[kind], static_cast<std::uint64_t>(index));
+    return true;
+  }
+  return take_rare_index(word, at, kind, index);
+}
+
+/// The same, of an index that is wrong or not just a few digits.
+bool ObjReader::take_rare_index(const Token& word, const char*& at, IndexKind kind, std::int64_t& index) {
   const char* const end = word.text.data() + word.text.size();
   const auto [stop, problem] = std::from_chars(at, end, index);
   Token here = word;

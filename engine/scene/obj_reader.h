@@ -66,6 +66,7 @@ class ObjReader {
   void add_corner(const std::array<std::int64_t, kind_count>& index);
   void drop_corners(std::size_t first);
   bool take_index(const Token& word, const char*& at, IndexKind kind, std::int64_t& index);
+  bool take_rare_index(const Token& word, const char*& at, IndexKind kind, std::int64_t& index);
   void finish_polygon(std::size_t first, const Token& keyword);
   void take_object(Tokens& words);
   void take_groups(Tokens& words);

@@ -1,6 +1,7 @@
 #include "engine/scene/statement_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace engine {
@@ -11,6 +12,14 @@ constexpr std::size_t kChunkBytes = 1u << 20;
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
+
+/// What may end a word: blanks, a newline, and the backslash of a continuation.
+constexpr std::array<bool, 256> kMayEndWord = [] {
+  std::array<bool, 256> may_end{};
+  for (const char c : {' ', '\t', '\r', '\v', '\f', '\n', '\\'})
+    may_end[static_cast<unsigned char>(c)] = true;
+  return may_end;
+}();
 
 /// Length of a continuation (backslash, maybe CR, LF) at `at`; 0 if there is none.
 std::size_t continuation_at(const char* at, const char* end) {
@@ -107,7 +116,11 @@ bool Tokens::next(Token& out) {
   out = {{at_, 0}, line_, static_cast<std::uint32_t>(at_ - line_start_) + 1};
   if (at_ == end_ || *at_ == '#') return false;
   const char* const begin = at_;
-  while (at_ < end_ && !is_blank(*at_) && *at_ != '\n' && !continuation_at(at_, end_)) ++at_;
+  const char* c = at_;  // not the member: it would be stored for every letter
+  while (c < end_ &&
+         (!kMayEndWord[static_cast<unsigned char>(*c)] || (*c == '\\' && !continuation_at(c, end_))))
+    ++c;
+  at_ = c;
   out.text = std::string_view(begin, static_cast<std::size_t>(at_ - begin));
   return true;
 }
