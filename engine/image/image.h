@@ -1,4 +1,4 @@
-// A picture in memory.
+// Pictures in memory.
 #pragma once
 
 #include <cstddef>
@@ -18,6 +18,15 @@ struct Image {
   Image(std::uint32_t w, std::uint32_t h) : width(w), height(h), pixels(std::size_t{w} * h) {}
   Rgb& at(std::uint32_t x, std::uint32_t y) { return pixels[std::size_t{y} * width + x]; }
   const Rgb& at(std::uint32_t x, std::uint32_t y) const { return pixels[std::size_t{y} * width + x]; }
+};
+
+/// What a screen shows: 8 bits per channel, sRGB.
+struct ScreenImage {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> samples;  ///< r, g, b of each pixel, row by row from the top, left to right
+
+  ScreenImage() = default;
+  ScreenImage(std::uint32_t w, std::uint32_t h) : width(w), height(h), samples(std::size_t{3} * w * h) {}
 };
 
 /// Pixels x0 <= x < x1, y0 <= y < y1.

@@ -1,4 +1,4 @@
-// Images as bytes of files. The .cpp is the only code that includes OpenImageIO.
+// EXR images as bytes of files. The .cpp is the only code that includes OpenImageIO.
 #pragma once
 
 #include <functional>
@@ -6,17 +6,12 @@
 
 #include "api/result.h"
 #include "engine/image/image.h"
-#include "engine/image/tone_map.h"
 
 namespace engine {
 
-/// 8 bits per channel, sRGB; nothing about time or machine, so equal images are equal bytes.
-/// Errors: stopped; internal with the encoder's own words.
-api::Result<std::string> encode_png(const Image& image, const DisplayTable& display,
-                                    const std::function<bool()>& stop_requested);
-
 /// Half floats R, G, B: linear radiance with the primaries of Rec. 709, ZIP compression. Radiance above the
-/// largest half is 65,504. Errors as encode_png.
+/// largest half is 65,504. Nothing about time or machine, so equal images are equal bytes.
+/// Errors: stopped; internal with the encoder's own words.
 api::Result<std::string> encode_exr(const Image& image, const std::function<bool()>& stop_requested);
 
 }  // namespace engine

@@ -1,13 +1,9 @@
 #include "engine/image/render_frame.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <numbers>
-#include <optional>
 
 #include "engine/base/parallel.h"
-#include "engine/patches/placed_facet.h"
 
 namespace engine {
 namespace {
@@ -52,53 +48,45 @@ void add_sample(const ShadedScene& stage, const SurfaceHit& hit, float share, Pi
     add_weight<NodeWeight>({blend.nodes[c].node, blend.nodes[c].weight * share}, start.plain, row.plain);
 }
 
-/// What rays meet besides the static facets; none: nothing.
-struct MovingPart {
-  const MovingRays* rays = nullptr;
-  std::uint32_t slot = 0;
-  FrameIndex frame = 0;
-};
+void add_hit(const ShadedScene& stage, const PinholeCamera& camera, const TexturedHit& hit,
+             std::uint32_t sample_count, PixelStart start, PixelRow& row) {
+  if (stage.textures && stage.textures->is_textured(hit.at.facet))
+    add_textured(stage, camera, hit, sample_count, start, row);
+  else
+    add_sample(stage, hit.at, 1.0f / static_cast<float>(sample_count), start, row);
+}
 
-/// Appends the blend of pixel (x, y) to a row.
-void trace_pixel(const ShadedScene& stage, const PinholeCamera& camera, const MovingPart& moving,
-                 std::span<const SubPixel> samples, std::uint32_t x, std::uint32_t y, PixelRow& row) {
-  const PixelStart start{row.plain.size(), row.tinted.size()};
-  const auto sample_count = static_cast<std::uint32_t>(samples.size());
-  const float share = 1.0f / static_cast<float>(sample_count);
-  for (const SubPixel sample : samples) {
-    Ray ray = camera.ray_through(static_cast<float>(x) + sample.x, static_cast<float>(y) + sample.y);
-    SurfaceHit hit;
-    bool found = stage.static_rays.nearest(ray, hit);
-    if (found) ray.far = hit.distance;
-    if (moving.rays) found = moving.rays->nearest(ray, moving.slot, hit) || found;
-    if (found && stage.textures && stage.textures->is_textured(hit.facet))
-      add_textured(stage, camera, {hit, ray, moving.frame}, sample_count, start, row);
-    else if (found)
-      add_sample(stage, hit, share, start, row);
-  }
+void end_pixel(PixelRow& row) {
   row.plain_end.push_back(static_cast<std::uint32_t>(row.plain.size()));
   row.tinted_end.push_back(static_cast<std::uint32_t>(row.tinted.size()));
 }
 
-template <class Weighted>
-std::span<const Weighted> part_at(const std::vector<Weighted>& parts, const std::vector<std::uint32_t>& end,
-                                  std::uint32_t k) {
-  const std::uint32_t first = k == 0 ? 0 : end[k - 1];
-  return std::span(parts).subspan(first, end[k] - first);
+Ray sample_ray(const PinholeCamera& camera, std::uint32_t x, std::uint32_t y, SubPixel sample) {
+  return camera.ray_through(static_cast<float>(x) + sample.x, static_cast<float>(y) + sample.y);
 }
 
-/// Sets pixel (x, y) from the blend at position `k` of a row.
-void set_pixel(const PixelRow& row, std::uint32_t k, std::span<const NodeValues> node_values, std::uint32_t x,
-               std::uint32_t y, std::vector<Image>& images) {
-  const auto plain = part_at(row.plain, row.plain_end, k);
-  const auto tinted = part_at(row.tinted, row.tinted_end, k);
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    Rgb radiosity;
-    for (const NodeWeight& part : plain) radiosity += part.weight * node_values[i][part.node];
-    for (const TintedWeight& part : tinted) radiosity += part.weight * node_values[i][part.node];
-    images[i].at(x, y) = radiosity * std::numbers::inv_pi_v<float>;
+/// Appends what the static facets show in pixel (x, y), and how far they are.
+void trace_static_pixel(const ShadedScene& stage, const PinholeCamera& camera,
+                        std::span<const SubPixel> samples, std::uint32_t x, std::uint32_t y, PixelRow& row,
+                        std::vector<float>& distances) {
+  const PixelStart start{row.plain.size(), row.tinted.size()};
+  for (const SubPixel sample : samples) {
+    TexturedHit hit{{}, sample_ray(camera, x, y, sample), 0};
+    if (stage.static_rays.nearest(hit.ray, hit.at)) {
+      hit.ray.far = hit.at.distance;
+      add_hit(stage, camera, hit, static_cast<std::uint32_t>(samples.size()), start, row);
+    }
+    distances.push_back(hit.ray.far);
   }
+  end_pixel(row);
 }
+
+/// What one of the frames shows in a pixel. Owned by a row, so that pixels share its memory.
+struct FramePixel {
+  std::vector<TexturedHit> hits;  ///< [sample]
+  std::vector<char> is_found;     ///< [sample]
+  PixelRow blend;                 ///< of this pixel alone
+};
 
 void clear(PixelRow& row) {
   row.plain.clear();
@@ -112,34 +100,124 @@ std::size_t bytes_of(const PixelRow& row) {
          (row.plain_end.size() + row.tinted_end.size()) * sizeof(std::uint32_t);
 }
 
-/// Does a sample of this pixel meet something that moves, be it hidden or not?
-bool meets_motion(const FrameView& view, std::span<const SubPixel> samples, std::uint32_t x,
-                  std::uint32_t y) {
-  return std::any_of(samples.begin(), samples.end(), [&](SubPixel sample) {
-    SurfaceHit hit;
-    return view.moving_rays.nearest(
-        view.camera.ray_through(static_cast<float>(x) + sample.x, static_cast<float>(y) + sample.y),
-        view.slot, hit);
-  });
+void set_blend(const ShadedScene& stage, const PinholeCamera& camera, FramePixel& pixel) {
+  clear(pixel.blend);
+  for (std::size_t s = 0; s < pixel.hits.size(); ++s)
+    if (pixel.is_found[s])
+      add_hit(stage, camera, pixel.hits[s], static_cast<std::uint32_t>(pixel.hits.size()), {}, pixel.blend);
+  end_pixel(pixel.blend);
 }
 
-void render_row(const ShadedScene& stage, const FrameView& view, std::span<const NodeValues> node_values,
-                std::span<const SubPixel> samples, std::uint32_t y, std::vector<Image>& images) {
-  PixelRow pixel;
-  for (std::uint32_t x = 0; x < view.camera.width; ++x) {
-    const bool may_move =
-        !view.motion || std::any_of(view.motion->begin(), view.motion->end(),
-                                    [&](const PixelRect& rect) { return rect.contains(x, y); });
-    if (view.static_view && !(may_move && meets_motion(view, samples, x, y))) {
-      set_pixel(view.static_view->rows[y], x, node_values, x, y, images);
-      continue;
-    }
-    clear(pixel);
-    const MovingPart moving{may_move ? &view.moving_rays : nullptr, view.slot, view.frame};
-    trace_pixel(stage, view.camera, moving, samples, x, y, pixel);
-    set_pixel(pixel, 0, node_values, x, y, images);
+/// Traces pixel (x, y) where `may_move` tells whether moving facets can be there.
+void trace_pixel(const ShadedScene& stage, const FrameView& view, std::span<const SubPixel> samples,
+                 std::uint32_t x, std::uint32_t y, bool may_move, FramePixel& pixel) {
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    TexturedHit& hit = pixel.hits[s];
+    hit = {{}, sample_ray(view.camera, x, y, samples[s]), view.frame};
+    bool found = stage.static_rays.nearest(hit.ray, hit.at);
+    if (found) hit.ray.far = hit.at.distance;
+    if (may_move) found = view.moving_rays.nearest(hit.ray, view.slot, hit.at) || found;
+    pixel.is_found[s] = found;
   }
+  set_blend(stage, view.camera, pixel);
 }
+
+/// The same with the distances of static facets known. False where no sample meets anything that moves.
+bool trace_over_static(const ShadedScene& stage, const FrameView& view, std::span<const SubPixel> samples,
+                       std::uint32_t x, std::uint32_t y, const float* static_distances, FramePixel& pixel) {
+  bool moves = false;
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    TexturedHit& hit = pixel.hits[s];
+    hit = {{}, sample_ray(view.camera, x, y, samples[s]), view.frame};
+    hit.ray.far = static_distances[s];
+    pixel.is_found[s] = view.moving_rays.nearest(hit.ray, view.slot, hit.at);
+    moves = moves || pixel.is_found[s];
+  }
+  if (!moves) return false;
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    if (pixel.is_found[s]) continue;
+    TexturedHit& hit = pixel.hits[s];
+    hit.ray = sample_ray(view.camera, x, y, samples[s]);
+    pixel.is_found[s] = stage.static_rays.nearest(hit.ray, hit.at);
+    if (pixel.is_found[s]) hit.ray.far = hit.at.distance;
+  }
+  set_blend(stage, view.camera, pixel);
+  return true;
+}
+
+/// Radiance of a row, of each ShadedRows.
+using RowRadiance = std::vector<std::vector<float>>;
+
+/// Row by row what the frames of a block show.
+class RowRenderer {
+ public:
+  RowRenderer(const ShadedScene& stage, std::span<const FrameView> views, const StaticView* static_view,
+              std::span<const ShadedRows> shaded, std::uint32_t samples_per_pixel)
+      : stage_(stage),
+        views_(views),
+        static_view_(static_view),
+        shaded_(shaded),
+        samples_(sub_pixels(samples_per_pixel)) {}
+
+  void render(std::uint32_t y) const {
+    const std::uint32_t width = views_[0].camera.width;
+    thread_local RowRadiance radiance;  // page faults cost more than the sums that fill it
+    radiance.resize(shaded_.size());
+    for (std::size_t i = 0; i < shaded_.size(); ++i) {
+      radiance[i].resize(std::size_t{3} * shaded_[i].values.lanes * width);
+      if (static_view_) shade_row(static_view_->rows[y], shaded_[i].values, radiance[i]);
+    }
+    FramePixel pixel{std::vector<TexturedHit>(samples_.size()), std::vector<char>(samples_.size()), {}};
+    for (std::uint32_t lane = 0; lane < views_.size(); ++lane) {
+      if (static_view_)
+        render_motion(y, lane, pixel, radiance);
+      else
+        render_all(y, lane, pixel, radiance);
+    }
+    for (std::size_t i = 0; i < shaded_.size(); ++i) shaded_[i].take_row(y, radiance[i]);
+  }
+
+ private:
+  /// What moves, over the static view.
+  void render_motion(std::uint32_t y, std::uint32_t lane, FramePixel& pixel, RowRadiance& radiance) const {
+    const FrameView& view = views_[lane];
+    const float* const distances = static_view_->distances[y].data();
+    for (const PixelSpan span : view.motion[y])
+      for (std::uint32_t x = span.x0; x < span.x1; ++x)
+        if (trace_over_static(stage_, view, samples_, x, y, distances + x * samples_.size(), pixel))
+          set_pixel(pixel, x, lane, radiance);
+  }
+
+  void render_all(std::uint32_t y, std::uint32_t lane, FramePixel& pixel, RowRadiance& radiance) const {
+    const FrameView& view = views_[lane];
+    const auto render_span = [&](PixelSpan span, bool may_move) {
+      for (std::uint32_t x = span.x0; x < span.x1; ++x) {
+        trace_pixel(stage_, view, samples_, x, y, may_move, pixel);
+        set_pixel(pixel, x, lane, radiance);
+      }
+    };
+    std::uint32_t done = 0;
+    for (const PixelSpan span : view.motion[y]) {
+      render_span({done, span.x0}, false);
+      render_span(span, true);
+      done = span.x1;
+    }
+    render_span({done, view.camera.width}, false);
+  }
+
+  void set_pixel(const FramePixel& pixel, std::uint32_t x, std::uint32_t lane, RowRadiance& radiance) const {
+    for (std::size_t i = 0; i < shaded_.size(); ++i) {
+      const LaneValues& values = shaded_[i].values;
+      shade_pixel(pixel.blend, values, lane, radiance[i].data() + std::size_t{3} * values.lanes * x);
+    }
+  }
+
+  const ShadedScene& stage_;
+  std::span<const FrameView> views_;
+  const StaticView* static_view_;
+  std::span<const ShadedRows> shaded_;
+  std::vector<SubPixel> samples_;
+};
 
 /// Calls work(y) for every row, in parallel, until stopped. False when stopped.
 bool for_each_row(std::uint32_t height, const std::function<bool()>& stop_requested,
@@ -158,14 +236,6 @@ bool for_each_row(std::uint32_t height, const std::function<bool()>& stop_reques
   return !stopped;
 }
 
-/// The corners of the box around an object's facets, in object space.
-std::array<Vec3, 8> box_corners(Vec3 low, Vec3 high) {
-  std::array<Vec3, 8> corners;
-  for (unsigned c = 0; c < 8; ++c)
-    corners[c] = {c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z};
-  return corners;
-}
-
 }  // namespace
 
 std::unique_ptr<StaticView> see_static(const ShadedScene& stage, const PinholeCamera& camera,
@@ -173,61 +243,26 @@ std::unique_ptr<StaticView> see_static(const ShadedScene& stage, const PinholeCa
                                        const std::function<bool()>& stop_requested) {
   auto view = std::make_unique<StaticView>();
   view->rows.resize(camera.height);
+  view->distances.resize(camera.height);
   const auto samples = sub_pixels(samples_per_pixel);
   std::atomic<std::size_t> bytes = 0;
   const auto too_large_or_stopped = [&] { return bytes > bytes_max || stop_requested(); };
   const bool whole = for_each_row(camera.height, too_large_or_stopped, [&](std::uint32_t y) {
     PixelRow& row = view->rows[y];
-    for (std::uint32_t x = 0; x < camera.width; ++x) trace_pixel(stage, camera, {}, samples, x, y, row);
+    for (std::uint32_t x = 0; x < camera.width; ++x)
+      trace_static_pixel(stage, camera, samples, x, y, row, view->distances[y]);
     row.plain.shrink_to_fit();
     row.tinted.shrink_to_fit();
-    bytes += bytes_of(row);
+    bytes += bytes_of(row) + view->distances[y].size() * sizeof(float);
   });
   return whole && bytes <= bytes_max ? std::move(view) : nullptr;
 }
 
-api::Result<std::vector<Image>> render_frame(const ShadedScene& stage, const FrameView& view,
-                                             std::span<const NodeValues> node_values_w_m2,
-                                             std::uint32_t samples_per_pixel,
-                                             const std::function<bool()>& stop_requested) {
-  std::vector<Image> images(node_values_w_m2.size(), Image(view.camera.width, view.camera.height));
-  const auto samples = sub_pixels(samples_per_pixel);
-  const bool whole = for_each_row(view.camera.height, stop_requested, [&](std::uint32_t y) {
-    render_row(stage, view, node_values_w_m2, samples, y, images);
-  });
-  if (!whole) return api::Error{api::Fault::stopped, "stopped while rendering images"};
-  return images;
-}
-
-std::vector<PixelRect> pixels_with_motion(const Patches& patches, const Animation& animation,
-                                          FrameIndex frame, const PinholeCamera& camera) {
-  struct Box {
-    const Pose* pose = nullptr;  ///< none: rests, or is not there
-    Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
-  };
-  std::vector<Box> boxes(animation.objects.size());
-  for (std::size_t o = 0; o < boxes.size(); ++o)
-    if (!animation.objects[o].is_static(animation.frame_count))
-      for (const PlacedRange& range : placed_ranges(animation.objects[o], std::span(&frame, 1)))
-        boxes[o].pose = range.pose;
-  for (const Facet& facet : patches.facets) {
-    Box& box = boxes[facet.object];
-    if (!box.pose) continue;
-    const Vec3 u_end = facet.origin + facet.edge_u, v_end = facet.origin + facet.edge_v;
-    for (const Vec3 p : {facet.origin, u_end, v_end, u_end + facet.edge_v}) {
-      box.low = min(box.low, p);
-      box.high = max(box.high, p);
-    }
-  }
-  std::vector<PixelRect> rects;
-  for (const Box& box : boxes) {
-    if (box.low.x > box.high.x) continue;
-    auto corners = box_corners(box.low, box.high);
-    for (Vec3& corner : corners) corner = transform_point(*box.pose, corner);
-    const PixelRect rect = pixels_around(camera, corners);
-    if (rect.x0 < rect.x1) rects.push_back(rect);
-  }
-  return rects;
+bool render_frames(const ShadedScene& stage, std::span<const FrameView> views, const StaticView* static_view,
+                   std::span<const ShadedRows> shaded, std::uint32_t samples_per_pixel,
+                   const std::function<bool()>& stop_requested) {
+  const RowRenderer renderer(stage, views, static_view, shaded, samples_per_pixel);
+  return for_each_row(views[0].camera.height, stop_requested, [&](std::uint32_t y) { renderer.render(y); });
 }
 
 }  // namespace engine

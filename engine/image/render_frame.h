@@ -1,16 +1,15 @@
-// One camera, one frame -> images in memory.
+// Cameras and frames -> rows of pixels.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "api/result.h"
 #include "engine/image/camera.h"
-#include "engine/image/image.h"
+#include "engine/image/motion_rows.h"
+#include "engine/image/shade.h"
 #include "engine/image/shading_mesh.h"
 #include "engine/image/textured_view.h"
 #include "engine/visibility/ray_scene.h"
@@ -25,24 +24,12 @@ struct ShadedScene {
   const TexturedView* textures = nullptr;  ///< none: no facet shows a texture
 };
 
-/// A node value as it shows through a texture.
-struct TintedWeight {
-  std::uint32_t node = 0;
-  Rgb weight;
-};
-
-/// Pixels as blends of node values, each in the order of its samples.
-struct PixelRow {
-  std::vector<NodeWeight> plain;
-  std::vector<TintedWeight> tinted;  ///< where facets show a texture
-  std::vector<std::uint32_t> plain_end,
-      tinted_end;  ///< [x]: pixel x is plain [end[x - 1], end[x]) + tinted ...
-};
-
 /// What a camera that stands still sees of the static facets. Pixels are then sums of a few products per
 /// frame, without rays.
 struct StaticView {
   std::vector<PixelRow> rows;
+  /// [row][x][sample]: how far the nearest static facet is; where there is none, the `far` of a new Ray.
+  std::vector<std::vector<float>> distances;
 };
 
 /// Traces `samples_per_pixel` rays per pixel. Null when the view would need more than `bytes_max`, or when
@@ -56,27 +43,23 @@ struct FrameView {
   PinholeCamera camera;
   const MovingRays& moving_rays;
   std::uint32_t slot = 0;  ///< of moving_rays' window
-  /// Where the moving facets can be, see pixels_with_motion(): no rays look for them elsewhere, and pixels
-  /// there are taken from `static_view`. None: anywhere.
-  std::optional<std::vector<PixelRect>> motion;
-  const StaticView* static_view = nullptr;  ///< of the same camera and sample count, or none
+  MotionRows motion;       ///< where moving facets can be: no rays look for them elsewhere
   FrameIndex frame = 0;
 };
 
-/// Radiosity of every node of the mesh in one frame, see node_radiosity(); with textures see
-/// textured_node_values().  [W/m^2]
-using NodeValues = std::span<const Rgb>;
+/// The same frames with values that differ, since rays cost more than sums.
+struct ShadedRows {
+  const LaneValues& values;
+  /// Called for every row, once, from several threads: radiance B / pi, [x][channel][lane].
+  std::function<void(std::uint32_t y, std::span<const float> radiance)> take_row;
+};
 
-/// One image per element of `node_values_w_m2`, since rays cost more than sums: radiance B / pi, box-filtered
-/// over each pixel; black where a ray meets nothing or the back of a one-sided facet. Rows run in parallel.
-/// Error: stopped.
-api::Result<std::vector<Image>> render_frame(const ShadedScene& stage, const FrameView& view,
-                                             std::span<const NodeValues> node_values_w_m2,
-                                             std::uint32_t samples_per_pixel,
-                                             const std::function<bool()>& stop_requested);
-
-/// Around each object that moves and is there in `frame`: the pixels that can see it.
-std::vector<PixelRect> pixels_with_motion(const Patches& patches, const Animation& animation,
-                                          FrameIndex frame, const PinholeCamera& camera);
+/// Up to kLanes frames, lane k of `shaded` that of views[k]: radiance B / pi, box-filtered over each pixel;
+/// black where a ray meets nothing or the back of a one-sided facet. Pixels that nothing moving covers are
+/// taken from `static_view` (of every frame's camera, and of `samples_per_pixel`), unless it is null. Rows
+/// run in parallel. False when stopped.
+bool render_frames(const ShadedScene& stage, std::span<const FrameView> views, const StaticView* static_view,
+                   std::span<const ShadedRows> shaded, std::uint32_t samples_per_pixel,
+                   const std::function<bool()>& stop_requested);
 
 }  // namespace engine

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <limits>
 #include <mutex>
 #include <numbers>
 #include <optional>
@@ -10,6 +12,8 @@
 #include "engine/base/durable_file.h"
 #include "engine/base/parallel.h"
 #include "engine/image/image_files.h"
+#include "engine/image/image_rows.h"
+#include "engine/image/png_bytes.h"
 #include "engine/image/render_frame.h"
 #include "engine/image/shading_mesh.h"
 #include "engine/image/textured_view.h"
@@ -60,44 +64,116 @@ api::Status publish(const Sequence& sequence, const std::string& name,
 
 /// What is brighter than white at its edges too. Irradiance is none of it: white is what a texture makes of
 /// it.
-std::vector<Rgb> limited(const ShadedScene& stage, NodeValues values, float largest) {
-  std::vector<Rgb> out(values.begin(), values.end());
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    if (stage.textures && k < stage.mesh.node_count && stage.textures->shows_irradiance[k]) continue;
-    out[k] = {std::min(out[k].r, largest), std::min(out[k].g, largest), std::min(out[k].b, largest)};
-  }
-  return out;
+LaneValues limited_lanes(const Sequence& sequence, std::span<const NodeValues> frames) {
+  const ShadedScene& stage = sequence.stage;
+  const float largest = sequence.display.white_radiance() * std::numbers::pi_v<float>;
+  return gather_lanes(frames, [&](std::size_t k) {
+    const bool irradiance =
+        stage.textures && k < stage.mesh.node_count && stage.textures->shows_irradiance[k];
+    return irradiance ? std::numeric_limits<float>::infinity() : largest;
+  });
 }
 
-api::Status render_and_write(const Sequence& sequence, FrameIndex frame, NodeValues node_values_w_m2) {
-  const api::ImageOptions& options = sequence.options;
-  const Patches& patches = sequence.stage.patches;
-  // A tree per frame: its few facets build faster than a ray passes 128 poses of them.
-  const MovingRays moving(patches, sequence.animation, std::span(&frame, 1));
-  FrameView view{pinhole_camera(sequence.poses[frame], options.width, options.height),
-                 moving,
-                 0,
-                 {},
-                 sequence.static_view.get(),
-                 frame};
-  view.motion = pixels_with_motion(patches, sequence.animation, frame, view.camera);
+LaneValues unlimited_lanes(std::span<const NodeValues> frames) {
+  return gather_lanes(frames, [](std::size_t) { return std::numeric_limits<float>::infinity(); });
+}
 
-  std::vector<NodeValues> wanted;
-  std::vector<Rgb> shown;
-  if (options.png) {
-    shown = limited(sequence.stage, node_values_w_m2,
-                    sequence.display.white_radiance() * std::numbers::pi_v<float>);
-    wanted.push_back(shown);
+/// Some frames that are rendered together, at most kLanes.
+struct Group {
+  std::vector<FrameIndex> frames;
+  std::vector<NodeValues> node_values_w_m2;  ///< [frame of the group]
+  std::vector<ScreenImage> screen;           ///< where PNG is wanted
+  std::vector<Image> radiance;               ///< where EXR is wanted
+};
+
+/// A frame's camera and what moves in it. A tree per frame: its few facets build faster than a ray passes 128
+/// poses of them.
+struct MovingFrame {
+  MovingRays rays;
+  FrameView view;
+
+  MovingFrame(const Sequence& sequence, FrameIndex frame)
+      : rays(sequence.stage.patches, sequence.animation, std::span(&frame, 1)),
+        view{pinhole_camera(sequence.poses[frame], sequence.options.width, sequence.options.height),
+             rays,
+             0,
+             {},
+             frame} {
+    view.motion = rows_with_motion(sequence.stage.patches, sequence.animation, frame, view.camera);
   }
-  if (options.exr) wanted.push_back(node_values_w_m2);
+};
+
+/// Fills the images of a group. False when stopped.
+bool render(const Sequence& sequence, Group& group) {
+  const api::ImageOptions& options = sequence.options;
+  std::vector<std::unique_ptr<MovingFrame>> moving;
+  std::vector<FrameView> views;
+  for (const FrameIndex frame : group.frames) {
+    moving.push_back(std::make_unique<MovingFrame>(sequence, frame));
+    views.push_back(moving.back()->view);
+  }
+  LaneValues limited, unlimited;
+  std::vector<ShadedRows> shaded;
+  if (options.png) {
+    limited = limited_lanes(sequence, group.node_values_w_m2);
+    group.screen.assign(views.size(), ScreenImage(options.width, options.height));
+    shaded.push_back({limited, [&](std::uint32_t y, std::span<const float> radiance) {
+                        store_row(radiance, y, sequence.display, group.screen);
+                      }});
+  }
+  if (options.exr) {
+    unlimited = unlimited_lanes(group.node_values_w_m2);
+    group.radiance.assign(views.size(), Image(options.width, options.height));
+    shaded.push_back({unlimited, [&](std::uint32_t y, std::span<const float> radiance) {
+                        store_row(radiance, y, group.radiance);
+                      }});
+  }
+  return render_frames(sequence.stage, views, sequence.static_view.get(), shaded, options.samples_per_pixel,
+                       sequence.progress.stop_requested);
+}
+
+api::Error stopped() {
+  return {api::Fault::stopped, "stopped while rendering images"};
+}
+
+/// Writes the files of the group's frame `k`.
+api::Status write(const Sequence& sequence, const Group& group, std::size_t k) {
   const auto& stop = sequence.progress.stop_requested;
-  const auto images = render_frame(sequence.stage, view, wanted, options.samples_per_pixel, stop);
-  if (!images) return images.error();
-  if (options.png) {
-    const auto png = encode_png(images->front(), sequence.display, stop);
-    if (auto done = publish(sequence, file_name(frame, "png"), png); !done) return done;
+  if (stop()) return stopped();
+  const FrameIndex frame = group.frames[k];
+  if (sequence.options.png) {
+    const auto done = publish(sequence, file_name(frame, "png"), png_bytes(group.screen[k]));
+    if (!done) return done;
   }
-  if (options.exr) return publish(sequence, file_name(frame, "exr"), encode_exr(images->back(), stop));
+  if (sequence.options.exr)
+    return publish(sequence, file_name(frame, "exr"), encode_exr(group.radiance[k], stop));
+  return api::Done{};
+}
+
+/// Of the frames from `first` on those that are not finished.
+std::vector<Group> groups_of(FrameIndex first, std::span<const std::vector<Rgb>> values,
+                             const std::vector<char>& finished) {
+  std::vector<Group> groups;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const auto frame = static_cast<FrameIndex>(first + k);
+    if (finished[frame]) continue;
+    if (groups.empty() || groups.back().frames.size() == kLanes) groups.emplace_back();
+    groups.back().frames.push_back(frame);
+    groups.back().node_values_w_m2.push_back(values[k]);
+  }
+  return groups;
+}
+
+/// Renders and writes a group; `report` is called after each of its frames, from several threads.
+api::Status render_and_write(const Sequence& sequence, Group& group, const std::function<void()>& report) {
+  if (!render(sequence, group)) return stopped();
+  std::vector<std::optional<api::Error>> errors(group.frames.size());
+  parallel_for(errors.size(), [&](std::size_t k) {
+    if (const auto status = write(sequence, group, k); !status) errors[k] = status.error();
+    report();
+  });
+  for (const auto& error : errors)
+    if (error) return *error;
   return api::Done{};
 }
 
@@ -105,7 +181,8 @@ api::Status render_and_write(const Sequence& sequence, FrameIndex frame, NodeVal
 std::uint32_t block_frames(const Sequence& sequence) {
   const std::size_t pixels = std::size_t{sequence.options.width} * sequence.options.height;
   const std::size_t irradiance = sequence.stage.textures ? sequence.stage.patches.count() : 0;
-  const std::size_t bytes = 2 * sizeof(Rgb) * (pixels + sequence.stage.mesh.node_count + irradiance);
+  const std::size_t values = sequence.stage.mesh.node_count + irradiance;  // once more for each kind of file
+  const std::size_t bytes = sizeof(Rgb) * (2 * pixels + 3 * values);
   return static_cast<std::uint32_t>(std::clamp<std::size_t>(kBlockBytesMax / bytes, 1, kBlockFramesMax));
 }
 
@@ -153,15 +230,16 @@ api::Status render_all(const Sequence& sequence, const PatchSeries& radiosity_w_
     const auto block = finished.begin() + first;
     if (std::all_of(block, block + static_cast<std::ptrdiff_t>(count), [](char done) { return done; }))
       continue;
-    if (!values_of_nodes(sequence, radiosity_w_m2, first, values))
-      return api::Error{api::Fault::stopped, "stopped while rendering images"};
-    std::vector<std::optional<api::Error>> errors(count);
-    parallel_for(count, [&](std::size_t k) {
-      if (finished[first + k]) return;
-      const auto status = render_and_write(sequence, first + static_cast<FrameIndex>(k), values[k]);
-      const std::lock_guard lock(mutex);
-      if (!status) errors[k] = status.error();
-      sequence.progress.report(static_cast<double>(++done_count) / frame_count);
+    if (!values_of_nodes(sequence, radiosity_w_m2, first, values)) return stopped();
+    std::vector<Group> groups = groups_of(first, values, finished);
+    std::vector<std::optional<api::Error>> errors(groups.size());
+    parallel_for(groups.size(), [&](std::size_t g) {
+      const api::Status status = render_and_write(sequence, groups[g], [&] {
+        const std::lock_guard lock(mutex);
+        sequence.progress.report(static_cast<double>(++done_count) / frame_count);
+      });
+      if (!status) errors[g] = status.error();
+      groups[g] = {};  // its pictures
     });
     for (const auto& error : errors)
       if (error) return *error;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/base/widest.h"
+
 namespace engine {
 namespace {
 
@@ -37,6 +39,28 @@ constexpr float kLowest = 0x1p-16f, kHighest = 0x1p16f;
 constexpr std::uint32_t kFirstIndex = std::bit_cast<std::uint32_t>(kLowest) >> kFractionBits;
 constexpr std::uint32_t kPoints = (32u << kPointBits) + 1;
 
+std::int32_t bits_of(float x) {
+  return std::bit_cast<std::int32_t>(x);
+}
+
+/// In vectors: floats that are not negative are limited as the integers of their bits, since compilers make
+/// branches of a choice between floats. Below the first point values are proportional to its own.
+/// `encoded`: kPoints + 1, the last one twice.
+KEYLUME_WIDEST void show_by_table(const float* __restrict radiance, std::size_t count, float factor,
+                                  const float* __restrict encoded, std::uint8_t* __restrict shown) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const float exposed = radiance[k] * factor;
+    const std::int32_t positive = bits_of(exposed) & -static_cast<std::int32_t>(exposed > 0.0f);  // nor NaN
+    const std::int32_t bits = std::min(std::max(positive, bits_of(kLowest)), bits_of(kHighest));
+    const std::int32_t i = (bits >> kFractionBits) - static_cast<std::int32_t>(kFirstIndex);
+    const float fraction = static_cast<float>(bits & ((1 << kFractionBits) - 1)) * 0x1p-16f;
+    const float of_first = std::bit_cast<float>(positive) * (1 / kLowest);
+    const auto share = std::bit_cast<float>(std::min(bits_of(of_first), bits_of(1.0f)));
+    const float value = share * (encoded[i] + fraction * (encoded[i + 1] - encoded[i]));
+    shown[k] = static_cast<std::uint8_t>(static_cast<std::int32_t>(value + 0.5f));
+  }
+}
+
 }  // namespace
 
 double auto_exposure_factor(const Patches& patches, const Animation& animation,
@@ -68,29 +92,24 @@ double srgb_encode(double light) {
 }
 
 DisplayTable::DisplayTable(api::ToneMap tone_map, double exposure_factor)
-    : factor_(static_cast<float>(exposure_factor)), encoded_(kPoints) {
+    : factor_(static_cast<float>(exposure_factor)), encoded_(kPoints + 1) {
   const double white = tone_map == api::ToneMap::clip ? 1.0 : kWhite / filmic_scale();
   white_radiance_ = static_cast<float>(white / exposure_factor);
   for (std::uint32_t i = 0; i < kPoints; ++i) {
     const auto exposed = std::bit_cast<float>((kFirstIndex + i) << kFractionBits);
     encoded_[i] = static_cast<float>(255 * srgb_encode(tone_curve(tone_map, exposed)));
   }
+  encoded_[kPoints] = encoded_[kPoints - 1];
 }
 
 std::uint8_t DisplayTable::operator()(float radiance) const {
-  const float exposed = radiance * factor_;
-  float value = 0;
-  if (exposed >= kHighest) {
-    value = encoded_.back();
-  } else if (exposed >= kLowest) {
-    const auto bits = std::bit_cast<std::uint32_t>(exposed);
-    const std::uint32_t i = (bits >> kFractionBits) - kFirstIndex;
-    const auto fraction = static_cast<float>(bits & ((1u << kFractionBits) - 1)) * 0x1p-16f;
-    value = encoded_[i] + fraction * (encoded_[i + 1] - encoded_[i]);
-  } else if (exposed > 0) {  // not NaN, not negative: proportional to the first point
-    value = encoded_[0] * (exposed / kLowest);
-  }
-  return static_cast<std::uint8_t>(value + 0.5f);
+  std::uint8_t shown = 0;
+  show({&radiance, 1}, &shown);
+  return shown;
+}
+
+void DisplayTable::show(std::span<const float> radiance, std::uint8_t* shown) const {
+  show_by_table(radiance.data(), radiance.size(), factor_, encoded_.data(), shown);
 }
 
 }  // namespace engine

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "api/image_options.h"
@@ -39,13 +40,16 @@ class DisplayTable {
   DisplayTable(api::ToneMap tone_map, double exposure_factor);
   std::uint8_t operator()(float radiance) const;
 
+  /// The same of each; `shown` has the size of `radiance`.
+  void show(std::span<const float> radiance, std::uint8_t* shown) const;
+
   /// From here up everything is shown as 255. Light that is limited to it before pixels are filtered looks
   /// the same, but the edges of lamps get shades between lamp and background instead of steps.
   float white_radiance() const { return white_radiance_; }
 
  private:
   float factor_, white_radiance_;
-  std::vector<float> encoded_;  ///< 0 .. 255 at the table's points, see the .cpp
+  std::vector<float> encoded_;  ///< 0 .. 255 at the table's points, the last one twice; see the .cpp
 };
 
 }  // namespace engine

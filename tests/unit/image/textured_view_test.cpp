@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "engine/image/render_frame.h"
+#include "tests/unit/image/one_frame.h"
 #include "tests/unit/image/rooms.h"
 
 namespace engine {
@@ -60,11 +60,9 @@ struct Wall {
       EXPECT_TRUE(node_radiosity(mesh, patches, radiosity, 0, never, nodes));
     const FrameIndex frame = 0;
     const MovingRays moving(patches, animation, std::span(&frame, 1));
-    const std::vector<NodeValues> values{nodes[0]};
     const ShadedScene stage{patches, mesh, rays, textures.get()};
-    return render_frame(stage, {pinhole_camera(pose, 160, 160), moving, 0, {}, nullptr, 0}, values, samples,
-                        never)
-        ->front();
+    const PinholeCamera camera = pinhole_camera(pose, 160, 160);
+    return tests::one_frame(stage, {camera, moving, 0, whole_rows(camera), 0}, nodes[0], samples);
   }
 };
 
@@ -223,17 +221,16 @@ TEST(TexturedView, AStandingCameraKeepsWhatTracingShows) {
   const ShadedScene stage{wall.patches, mesh, rays, textures.get()};
   std::vector<std::vector<Rgb>> nodes(1);
   textured_node_values(*textures, {}, wall.lit_by(even), 0, never, nodes);
-  const std::vector<NodeValues> values{nodes[0]};
   const PinholeCamera camera = pinhole_camera(kInFront, 160, 120);
   const auto kept = see_static(stage, camera, 5, 100 << 20, never);
   ASSERT_TRUE(kept);
   for (FrameIndex f = 0; f < 2; ++f) {
     const MovingRays moving(wall.patches, wall.animation, std::span(&f, 1));
-    const auto motion = pixels_with_motion(wall.patches, wall.animation, f, camera);
-    const auto traced = render_frame(stage, {camera, moving, 0, {}, nullptr, f}, values, 5, never);
-    const auto reused = render_frame(stage, {camera, moving, 0, motion, kept.get(), f}, values, 5, never);
-    ASSERT_TRUE(traced && reused);
-    EXPECT_EQ(traced->at(0).pixels, reused->at(0).pixels) << "frame " << f;
+    const auto motion = rows_with_motion(wall.patches, wall.animation, f, camera);
+    const FrameView anywhere{camera, moving, 0, whole_rows(camera), f}, there{camera, moving, 0, motion, f};
+    EXPECT_EQ(tests::one_frame(stage, anywhere, nodes[0], 5).pixels,
+              tests::one_frame(stage, there, nodes[0], 5, kept.get()).pixels)
+        << "frame " << f;
   }
 }
 

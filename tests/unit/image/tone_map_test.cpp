@@ -64,6 +64,22 @@ TEST(DisplayTable, HasAnAnswerToEveryFloat) {
   EXPECT_EQ(table(std::numeric_limits<float>::denorm_min()), 0);
 }
 
+TEST(DisplayTable, ShowsManyAsItShowsEach) {
+  const engine::DisplayTable table(ToneMap::filmic, 0.7);
+  std::vector<float> radiance{0,
+                              -1,
+                              -0.0f,
+                              std::numeric_limits<float>::quiet_NaN(),
+                              -std::numeric_limits<float>::quiet_NaN(),
+                              std::numeric_limits<float>::infinity(),
+                              -std::numeric_limits<float>::infinity(),
+                              std::numeric_limits<float>::denorm_min()};
+  for (float x = 1e-8f; x < 1e8f; x *= 1.0007f) radiance.insert(radiance.end(), {x, -x});
+  std::vector<std::uint8_t> shown(radiance.size());
+  table.show(radiance, shown.data());
+  for (std::size_t k = 0; k < radiance.size(); ++k) ASSERT_EQ(shown[k], table(radiance[k])) << radiance[k];
+}
+
 // A wall of 3 m^2 with B = 2 and one of 1 m^2 with B = 6 W/m^2 mean 3; the lamp does not count.
 TEST(AutoExposure, ShowsTheMeanOfWhatDoesNotEmitInMiddleGrey) {
   auto scene = tests::scene_with(1, 2);
