@@ -1,3 +1,7 @@
+#include <optional>
+#include <vector>
+
+#include "engine/base/parallel.h"
 #include "engine/base/sha256.h"
 #include "engine/output/artefacts.h"
 
@@ -26,10 +30,14 @@ std::string json_string(std::string_view text) {
 }  // namespace
 
 api::Status write_manifest(const std::filesystem::path& folder, std::span<const Artefact> artefacts) {
+  std::vector<std::optional<api::Result<FileDigest>>> digests(artefacts.size());
+  parallel_for(artefacts.size(),
+               [&](std::size_t k) { digests[k] = digest_file(folder / artefacts[k].path); });
   std::string json = "{\"artefacts\":[";
   const char* separator = "\n";
-  for (const Artefact& artefact : artefacts) {
-    const auto digest = digest_file(folder / artefact.path);
+  for (std::size_t k = 0; k < artefacts.size(); ++k) {
+    const Artefact& artefact = artefacts[k];
+    const api::Result<FileDigest>& digest = *digests[k];
     if (!digest) return digest.error();
     json += separator;
     json += "{\"path\":" + json_string(artefact.path) +

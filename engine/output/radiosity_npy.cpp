@@ -10,7 +10,8 @@ namespace {
 
 static_assert(sizeof(Rgb) == 3 * sizeof(float), "an Rgb is three elements of the array");
 
-constexpr std::size_t kBufferBytes = 32u << 20;
+/// Measured on 43,630 patches in 120 frames: 32 MB takes 68 ms of the processor, 8 MB 48 ms, 1 MB 63 ms.
+constexpr std::size_t kBufferBytes = 8u << 20;
 
 /// Patches [first, first + count) of every frame, from [patch][frame] to [frame][patch].
 void transpose(const PatchSeries& series, std::uint32_t first, std::uint32_t count,

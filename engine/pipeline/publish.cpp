@@ -1,6 +1,9 @@
 #include "engine/pipeline/publish.h"
 
+#include <functional>
+
 #include "engine/base/durable_file.h"
+#include "engine/base/parallel.h"
 #include "engine/image/render_images.h"
 
 namespace engine {
@@ -81,18 +84,25 @@ api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const Pat
 api::Status publish_data(const LitScene& lit, const SolvedSequence& solved,
                          const std::vector<Artefact>& images, const std::filesystem::path& folder) {
   std::vector<Artefact> artefacts;
+  std::vector<std::function<api::Status()>>
+      writers;  // side by side: one waits for the disk, another computes
   const auto publish_series = [&](const std::string& file, const PatchSeries& series) {
     artefacts.push_back({file, "application/x-npy"});
-    return write_radiosity_npy(folder / file, series);
+    writers.emplace_back([&folder, &series, file] { return write_radiosity_npy(folder / file, series); });
   };
-  if (auto s = publish_series("radiosity.npy", solved.radiosity_w_m2); !s) return s;
-  for (const NamedSeries& other : solved.others)
-    if (auto s = publish_series(other.file, other.values_w_m2); !s) return s;
-  if (auto s = write_patches_npz(folder / "patches.npz", lit.scene, lit.patches, lit.animation); !s) return s;
+  publish_series("radiosity.npy", solved.radiosity_w_m2);
+  for (const NamedSeries& other : solved.others) publish_series(other.file, other.values_w_m2);
   artefacts.push_back({"patches.npz", "application/zip"});
-  const std::string key_frames = api::key_frame_report_json(solved.key_frames);
-  if (auto s = write_file(folder / "key_frames.json", key_frames); !s) return s;
+  writers.emplace_back(
+      [&] { return write_patches_npz(folder / "patches.npz", lit.scene, lit.patches, lit.animation); });
   artefacts.push_back({"key_frames.json", "application/json"});
+  writers.emplace_back(
+      [&] { return write_file(folder / "key_frames.json", api::key_frame_report_json(solved.key_frames)); });
+
+  std::vector<api::Status> written(writers.size(), api::Done{});
+  parallel_for(writers.size(), [&](std::size_t k) { written[k] = writers[k](); });
+  for (const api::Status& status : written)
+    if (!status) return status;
   artefacts.insert(artefacts.end(), images.begin(), images.end());
   return write_manifest(folder, artefacts);
 }
