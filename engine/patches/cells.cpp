@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "engine/patches/grade.h"
 #include "engine/patches/patches.h"
@@ -29,8 +30,11 @@ TriangleCell triangle_cell_at(std::uint32_t n, float u, float v) {
   return {column, row, in_cell > 1.0f && column + row + 1 < n};
 }
 
+/// Row j starts at j (2 n - j) <= cell, so that j = floor(n - sqrt(n^2 - cell)), but for rounding.
 TriangleCell triangle_cell_numbered(std::uint32_t n, std::uint32_t cell) {
-  std::uint32_t row = 0;
+  const double beyond = static_cast<double>(n) * n - cell;
+  auto row = static_cast<std::uint32_t>(n - std::sqrt(beyond));
+  while (row * (2 * n - row) > cell) --row;
   while ((row + 1) * (2 * n - row - 1) <= cell) ++row;
   const std::uint32_t in_row = cell - row * (2 * n - row);
   return {in_row / 2, row, in_row % 2 == 1};

@@ -82,6 +82,21 @@ bool holds(const CellCorners& cell, double u, double v) {
   return true;
 }
 
+TEST(Cells, RowsOfATriangleBeginAndEndWhereTheyShouldHoweverManyThereAre) {
+  for (const std::uint32_t n : {1u, 2u, 3u, 7u, 1000u, 4096u, 4472u}) {
+    const Facet facet = grid(true, n, n);
+    for (std::uint32_t row = 0; row < n; ++row) {
+      const float v = static_cast<float>(row) * (1.0f / static_cast<float>(n));
+      const CellCorners first = cell_corners(facet, row * (2 * n - row));
+      const CellCorners last = cell_corners(facet, (row + 1) * (2 * n - row - 1) - 1);
+      ASSERT_EQ(first.v[0], v) << n << ' ' << row;
+      ASSERT_EQ(first.u[0], 0) << n << ' ' << row;
+      ASSERT_EQ(last.v[0], v) << n << ' ' << row;
+      ASSERT_NEAR(last.u[1] + last.v[1], 1, 1e-5) << n << ' ' << row;
+    }
+  }
+}
+
 TEST(Cells, APointIsInTheCellThatIsFoundForIt) {
   for (const Facet& facet : {grid(false, 5, 3), grid(false, 17, 40), grid(true, 4, 4), grid(true, 29, 29)})
     for (std::uint32_t k = 0; k < 5'000; ++k) {
