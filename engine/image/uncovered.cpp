@@ -1,13 +1,62 @@
 #include "engine/image/uncovered.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "engine/base/parallel.h"
 #include "engine/patches/placed_facet.h"
+#include "engine/visibility/box_tree.h"
 
 namespace engine {
 namespace {
+
+/// The facets that rest, by their boxes: most patches have nothing near, and need no rays to know it.
+class RestingBoxes {
+ public:
+  RestingBoxes(const Patches& patches, const Animation& animation) {
+    for (std::uint32_t f = 0; f < patches.facets.size(); ++f) {
+      const Facet& facet = patches.facets[f];
+      const ObjectMotion& motion = animation.objects[facet.object];
+      if (!motion.is_static(animation.frame_count)) continue;
+      const PlacedFacet placed = place(facet, motion.spans[0].pose);
+      boxes_.push_back(box_of(std::span(placed.corners).first(facet.is_triangle ? 3 : 4)));
+      facets_.push_back(f);
+    }
+    tree_.emplace(boxes_);
+    for (const Box& box : boxes_)
+      for (const float x : {box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z})
+        slack_m_ = std::max(slack_m_, kSlack * std::abs(x));
+  }
+
+  /// Can a ray within `box` meet a facet other than `own`?
+  bool may_meet(Box box, std::uint32_t own) const {
+    const Vec3 slack{slack_m_, slack_m_, slack_m_};
+    box = {box.lower - slack, box.upper + slack};
+    bool meets = false;
+    tree_->each_leaf([&](const Box& other) { return overlap(box, other); },
+                     [&](const BoxTree::Leaf& leaf) {
+                       meets = facets_[tree_->order()[leaf.first]] != own;
+                       return !meets;
+                     });
+    return meets;
+  }
+
+ private:
+  /// Rays meet facets beyond their edges by rounding; far less than this share of the largest coordinate.
+  static constexpr float kSlack = 1e-5f;
+
+  static bool overlap(const Box& a, const Box& b) {
+    return a.lower.x <= b.upper.x && b.lower.x <= a.upper.x && a.lower.y <= b.upper.y &&
+           b.lower.y <= a.upper.y && a.lower.z <= b.upper.z && b.lower.z <= a.upper.z;
+  }
+
+  std::vector<Box> boxes_;
+  std::vector<std::uint32_t> facets_;  ///< [box]
+  std::optional<BoxTree> tree_;
+  float slack_m_ = 0;
+};
 
 /// One side of a facet that rests.
 struct Side {
@@ -49,7 +98,19 @@ float bare_share(const Side& side, const CellCorners& cell, float reach_m, const
   return static_cast<float>(bare) / static_cast<float>(points * points);
 }
 
-void set_side(const Side& side, PatchId first_patch, const StaticRays& rays, std::vector<float>& shares) {
+/// Around a cell and what is up to `reach_m` in front of it.
+Box box_before(const Side& side, const CellCorners& cell, float reach_m) {
+  std::array<Vec3, 8> points;
+  for (std::uint32_t c = 0; c < cell.count; ++c) {
+    const Vec3 p = side.placed.origin + cell.u[c] * side.placed.edge_u + cell.v[c] * side.placed.edge_v;
+    points[2 * c] = p - rounding_m(p, reach_m) * side.outward;
+    points[2 * c + 1] = p + reach_m * side.outward;
+  }
+  return box_of(std::span(points).first(2 * cell.count));
+}
+
+void set_side(const Side& side, PatchId first_patch, const StaticRays& rays, const RestingBoxes& resting,
+              std::vector<float>& shares) {
   const float scale = length(cross(side.placed.edge_u, side.placed.edge_v));
   std::vector<SurfaceHit> hits;
   for (std::uint32_t c = 0; c < side.facet.cell_count(); ++c) {
@@ -58,6 +119,7 @@ void set_side(const Side& side, PatchId first_patch, const StaticRays& rays, std
     const float in_uv = std::abs((cell.u[1] - cell.u[0]) * (cell.v[last] - cell.v[0]) -
                                  (cell.v[1] - cell.v[0]) * (cell.u[last] - cell.u[0]));
     const float reach_m = kCoverReach * std::sqrt(scale * in_uv);
+    if (!resting.may_meet(box_before(side, cell, reach_m), side.facet_index)) continue;  // it is bare
     float share = bare_share(side, cell, reach_m, rays, 4, hits);
     if (share > 0 && share < 1) share = bare_share(side, cell, reach_m, rays, 16, hits);
     shares[first_patch + c] = share;
@@ -67,16 +129,17 @@ void set_side(const Side& side, PatchId first_patch, const StaticRays& rays, std
 std::vector<float> uncovered_shares(const Patches& patches, const Animation& animation,
                                     const StaticRays& static_rays) {
   std::vector<float> shares(patches.count(), 1.0f);
+  const RestingBoxes resting(patches, animation);
   parallel_for(patches.facets.size(), [&](std::size_t f) {
     const Facet& facet = patches.facets[f];
     const ObjectMotion& motion = animation.objects[facet.object];
     if (!motion.is_static(animation.frame_count) || animation.emission.ever_emits(facet.material)) return;
     const PlacedFacet placed = place(facet, motion.spans[0].pose);
     const auto index = static_cast<std::uint32_t>(f);
-    set_side({facet, index, placed, placed.normal}, facet.first_patch, static_rays, shares);
+    set_side({facet, index, placed, placed.normal}, facet.first_patch, static_rays, resting, shares);
     if (facet.both_sides)
       set_side({facet, index, placed, -placed.normal}, facet.first_patch + facet.cell_count(), static_rays,
-               shares);
+               resting, shares);
   });
   return shares;
 }
