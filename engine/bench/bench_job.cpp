@@ -27,7 +27,6 @@ const char* mode_name(api::LightingMode mode) {
   return "default";
 }
 
-/// Without standard errors: [P] has none, and its times none for them.
 api::ParsedJson lighting_json(const api::LightingOptions& lighting) {
   api::ParsedJson json{{"preset", "standard"},
                        {"mode", mode_name(lighting.mode)},
@@ -37,7 +36,7 @@ api::ParsedJson lighting_json(const api::LightingOptions& lighting) {
                        {"patch_edge_m", lighting.patch_edge_m},
                        {"estimate_patch_edge_m", lighting.estimate_patch_edge_m},
                        {"estimate_line_count", lighting.estimate_line_count},
-                       {"standard_errors", false},
+                       {"standard_errors", lighting.standard_errors},
                        {"seed", lighting.seed}};
   if (lighting.mode == api::LightingMode::standard) json["tolerance"] = lighting.tolerance;
   if (lighting.mode == api::LightingMode::paper) json["epsilon"] = lighting.epsilon;
@@ -96,6 +95,12 @@ std::size_t solved_frames(const api::KeyFrameReport& report) {
       [](const api::FrameRecord& frame) { return frame.kind != api::FrameKind::interpolated; }));
 }
 
+std::vector<double> solve_seconds(const BenchRun& run) {
+  std::vector<double> seconds;
+  for (const RunTime& time : run.times) seconds.push_back(time.estimation_s + time.computation_s);
+  return seconds;
+}
+
 api::Status write_bench_job(const BenchJob& job, const fs::path& examples, const fs::path& folder) {
   const fs::path input = folder / "input", example = examples / job.example;
   std::error_code failed;
@@ -108,7 +113,9 @@ api::Status write_bench_job(const BenchJob& job, const fs::path& examples, const
   if (!json) return json.error();
   (*json)["name"] = "bench: " + job.name;
   (*json)["lighting"] = lighting_json(job.lighting);
+  if (job.images == BenchImages::none) (*json)["images"] = api::ParsedJson::array();
   for (auto& image : (*json)["images"]) {
+    if (job.images == BenchImages::given) break;
     image["width"] = kBenchImageWidth;
     image["height"] = kBenchImageHeight;
   }

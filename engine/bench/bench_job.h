@@ -9,8 +9,15 @@
 #include "api/ids.h"
 #include "api/job_report.h"
 #include "api/lighting_options.h"
+#include "engine/bench/child_process.h"
 
 namespace engine {
+
+enum class BenchImages {
+  small,  ///< kBenchImageWidth x kBenchImageHeight: for the figures
+  given,  ///< as the example has them
+  none,
+};
 
 struct BenchJob {
   std::string name;                          ///< of its folder and in the tables
@@ -20,10 +27,22 @@ struct BenchJob {
   /// Only these frames, as a sequence of their own; empty: all. Poses only: exitance and reflectance must not
   /// be keyed, OBJ units must be metres.
   std::vector<api::FrameIndex> frames = {};
+  BenchImages images = BenchImages::small;
+  unsigned threads = 0;  ///< 0: all cores
+  ChildLimits limits = {};
+  bool any_program = false;  ///< what another build of the program left is as good
 };
 
 /// Of each picture; figures 8 and 9 are sheets of them.  [pixels]
 inline constexpr std::uint32_t kBenchImageWidth = 400, kBenchImageHeight = 225;
+
+/// What one repetition took  [s].
+struct RunTime {
+  double estimation_s = 0;   ///< estimate and choice of the key-frames
+  double computation_s = 0;  ///< direct light, solution and interpolation
+  double images_s = 0;
+  double cpu_s = 0;  ///< the whole process, all threads
+};
 
 /// One job, run.
 struct BenchRun {
@@ -32,6 +51,7 @@ struct BenchRun {
   api::JobReport report;         ///< the same
   api::KeyFrameReport key_frames;
   int repetitions = 0;
+  std::vector<RunTime> times = {};  ///< [repetition]
   /// Medians over the repetitions  [s]: estimate and choice of the key-frames; direct light, solution and
   /// interpolation. Reading, images and files are in neither.
   double estimation_s = 0, computation_s = 0;
@@ -45,7 +65,10 @@ double count_of(const api::JobReport& report, std::string_view name);
 /// Frames that were solved: keys and checks.
 std::size_t solved_frames(const api::KeyFrameReport& report);
 
-/// Makes `folder`/input from the example: its animation.json with other lighting, smaller images, and the
+/// Seconds of estimation and computation of each repetition.
+std::vector<double> solve_seconds(const BenchRun& run);
+
+/// Makes `folder`/input from the example: its animation.json with other lighting, images as said, and the
 /// frames where a part of them is asked for (then without images). Errors: not_found, internal,
 /// invalid_request.
 api::Status write_bench_job(const BenchJob& job, const std::filesystem::path& examples,

@@ -1,33 +1,19 @@
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <functional>
 #include <span>
 
 #include "engine/bench/bench_report.h"
+#include "engine/bench/bench_text.h"
+#include "engine/bench/machine.h"
 #include "engine/bench/paper_results.h"
 
 namespace engine {
 namespace {
 
-[[gnu::format(printf, 1, 2)]] std::string text_of(const char* format, ...) {
-  va_list values, again;
-  va_start(values, format);
-  va_copy(again, values);
-  std::string text(static_cast<std::size_t>(std::vsnprintf(nullptr, 0, format, values)), '\0');
-  std::vsnprintf(text.data(), text.size() + 1, format, again);
-  va_end(again);
-  va_end(values);
-  return text;
-}
-
 /// "-" for what [P] does not report.
 std::string or_dash(double value, const std::string& text) {
   return value == 0 ? "-" : text;
 }
-
-/// Load per core beyond which times are not those of an idle machine.
-constexpr double kIdleLoad = 0.3;
 
 /// A column of a table: [P]'s where there is one, and ours.
 struct Column {

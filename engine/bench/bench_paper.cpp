@@ -1,12 +1,10 @@
 #include "engine/bench/bench_paper.h"
 
-#include <unistd.h>
-#include <cstdio>
-
 #include "engine/bench/bench_files.h"
 #include "engine/bench/bench_plan.h"
 #include "engine/bench/bench_report.h"
 #include "engine/bench/bench_results.h"
+#include "engine/bench/bench_sheet.h"
 
 namespace engine {
 namespace {
@@ -30,14 +28,7 @@ api::Status write_all(const std::vector<GroupResult>& groups, const BenchOptions
 
 }  // namespace
 
-std::filesystem::path this_program() {
-  std::error_code failed;
-  return std::filesystem::read_symlink("/proc/self/exe", failed);
-}
-
-api::Status bench_paper(const BenchOptions& given, const std::filesystem::path& program) {
-  BenchOptions options = given;
-  if (options.examples_folder.empty()) options.examples_folder = KEYLUME_EXAMPLES;
+api::Status bench_paper(const BenchOptions& options, const std::filesystem::path& program) {
   const double load = load_per_core();
   std::vector<GroupResult> groups;
   std::string markdown;
@@ -50,8 +41,7 @@ api::Status bench_paper(const BenchOptions& given, const std::filesystem::path& 
     if (const auto s = write_all(groups, options, markdown, load); !s) return s;
   }
   if (groups.empty()) return api::Error{api::Fault::invalid_request, "there is no scene " + options.scene};
-  const bool printed = std::fputs(markdown.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
-  return printed ? api::Status(api::Done{}) : api::Error{api::Fault::internal, "cannot print the report"};
+  return print_report(markdown);
 }
 
 }  // namespace engine

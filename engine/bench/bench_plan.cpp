@@ -13,6 +13,7 @@ api::LightingOptions full_resolution(const BenchOptions& options) {
   lighting.moving_line_count = 2'000'000;
   lighting.samples_per_light = 4;
   lighting.estimate_patch_edge_m = 2;
+  lighting.standard_errors = false;  // [P] has none, and its times none for them
   lighting.seed = options.seed;
   if (options.quick) {
     lighting.patch_edge_m = 0.75;

@@ -1,9 +1,6 @@
 #include "engine/bench/bench_results.h"
 
-#include <unistd.h>
-
 #include <cstdio>
-#include <cstdlib>
 
 namespace engine {
 namespace {
@@ -46,12 +43,6 @@ CostFit fit_group(const GroupResult& group) {
 }
 
 }  // namespace
-
-double load_per_core() {
-  double load = 0;
-  const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-  return getloadavg(&load, 1) == 1 && cores > 0 ? load / static_cast<double>(cores) : 0;
-}
 
 const RunResult* find_run(const std::vector<GroupResult>& groups, const std::string& name) {
   for (const GroupResult& group : groups)

@@ -8,6 +8,7 @@
 #include "engine/bench/bench_plan.h"
 #include "engine/bench/bench_scene.h"
 #include "engine/bench/cost_fit.h"
+#include "engine/bench/machine.h"
 #include "engine/bench/sequence_error.h"
 
 namespace engine {
@@ -33,10 +34,6 @@ struct GroupResult {
   CostFit cost;      ///< of the runs that interpolate all light, and the full one
   double lines = 0;  ///< N
 };
-
-/// Other programs at work on this machine: load average over its cores, of the last minute; 0 where unknown.
-/// Ask before the first run: our own runs load it too.
-double load_per_core();
 
 const RunResult* find_run(const std::vector<GroupResult>& groups, const std::string& name);
 

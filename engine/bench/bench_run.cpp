@@ -5,6 +5,7 @@
 
 #include "engine/bench/bench_files.h"
 #include "engine/bench/bench_job.h"
+#include "engine/bench/bench_text.h"
 #include "engine/bench/child_process.h"
 
 namespace engine {
@@ -12,25 +13,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
 /// What the repetitions of a run took.
 struct RunTimes {
-  std::vector<double> estimation_s, computation_s;
+  std::vector<RunTime> times;
   std::uint64_t peak_memory_bytes = 0;
 
-  void add(const api::JobReport& report) {
+  void add(const api::JobReport& report, const ChildUse& use) {
     const auto seconds = [&](api::Stage stage) { return seconds_of(report, stage); };
-    estimation_s.push_back(seconds(api::Stage::estimate) + seconds(api::Stage::keyframes));
-    computation_s.push_back(seconds(api::Stage::direct) + seconds(api::Stage::solve) +
-                            seconds(api::Stage::interpolate));
+    times.push_back(
+        {seconds(api::Stage::estimate) + seconds(api::Stage::keyframes),
+         seconds(api::Stage::direct) + seconds(api::Stage::solve) + seconds(api::Stage::interpolate),
+         seconds(api::Stage::images), use.cpu_s});
     peak_memory_bytes = std::max(peak_memory_bytes, report.peak_memory_bytes);
   }
 };
+
+double median(const std::vector<RunTime>& times, double RunTime::*field) {
+  std::vector<double> values;
+  for (const RunTime& time : times) values.push_back(time.*field);
+  return spread_of(std::move(values)).median;
+}
 
 /// Who ran what: times under another mark are of another program or another job. One line.
 api::Result<std::string> mark_of(const BenchJob& job, const fs::path& examples, const fs::path& folder,
@@ -46,15 +48,18 @@ api::Result<std::string> mark_of(const BenchJob& job, const fs::path& examples, 
     all += *bytes;
   }
   fs::remove_all(fresh, failed);
+  all += std::to_string(job.threads);
   const auto built = fs::last_write_time(program, failed).time_since_epoch().count();
-  return "program " + std::to_string(built) + " job " + std::to_string(std::hash<std::string>{}(all));
+  return "program " + (job.any_program ? "any" : std::to_string(built)) + " job " +
+         std::to_string(std::hash<std::string>{}(all));
 }
 
-std::string text_of(const std::string& mark, const RunTimes& times) {
+std::string times_text(const std::string& mark, const RunTimes& times) {
   std::ostringstream text;
   text << mark << "\n" << times.peak_memory_bytes << "\n";
-  for (std::size_t k = 0; k < times.computation_s.size(); ++k)
-    text << times.estimation_s[k] << " " << times.computation_s[k] << "\n";
+  for (const RunTime& time : times.times)
+    text << time.estimation_s << " " << time.computation_s << " " << time.images_s << " " << time.cpu_s
+         << "\n";
   return text.str();
 }
 
@@ -66,10 +71,8 @@ RunTimes read_times(const fs::path& folder, const std::string& mark) {
   std::string found;
   RunTimes times;
   if (!std::getline(text, found) || found != mark || !(text >> times.peak_memory_bytes)) return {};
-  for (double estimation = 0, computation = 0; text >> estimation >> computation;) {
-    times.estimation_s.push_back(estimation);
-    times.computation_s.push_back(computation);
-  }
+  for (RunTime time; text >> time.estimation_s >> time.computation_s >> time.images_s >> time.cpu_s;)
+    times.times.push_back(time);
   return times;
 }
 
@@ -95,21 +98,24 @@ api::Result<BenchRun> run_bench_job(const BenchJob& job, const fs::path& example
   const auto mark = mark_of(job, examples, folder, program);
   if (!mark) return mark.error();
   RunTimes times = read_times(folder, *mark);
-  while (times.computation_s.size() < static_cast<std::size_t>(repetitions)) {
+  std::vector<std::string> words{program.string(), "render", folder.string()};
+  if (job.threads > 0) words.push_back("--threads=" + std::to_string(job.threads));
+  while (times.times.size() < static_cast<std::size_t>(repetitions)) {
     std::error_code ignored;  // what cannot be removed fails to be written next
     fs::remove_all(folder, ignored);
     if (const auto s = write_bench_job(job, examples, folder); !s) return s.error();
-    if (const auto s = run_child({program.string(), "render", folder.string()}, folder / "log"); !s)
-      return s.error();
+    const auto use = run_child(words, folder / "log", job.limits);
+    if (!use) return use.error();
     if (const auto s = read_results(folder, run); !s) return s.error();
-    times.add(run.report);
-    if (const auto s = write_bench_file(folder / "times", text_of(*mark, times)); !s) return s.error();
+    times.add(run.report, *use);
+    if (const auto s = write_bench_file(folder / "times", times_text(*mark, times)); !s) return s.error();
   }
   if (const auto s = read_results(folder, run); !s) return s.error();
-  run.repetitions = static_cast<int>(times.computation_s.size());
-  run.estimation_s = median(times.estimation_s);
-  run.computation_s = median(times.computation_s);
+  run.repetitions = static_cast<int>(times.times.size());
+  run.estimation_s = median(times.times, &RunTime::estimation_s);
+  run.computation_s = median(times.times, &RunTime::computation_s);
   run.peak_memory_bytes = times.peak_memory_bytes;
+  run.times = std::move(times.times);
   return run;
 }
 

@@ -1,13 +1,17 @@
 #include "engine/bench/child_process.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fstream>
+#include <thread>
 
 extern char** environ;
 
@@ -44,9 +48,33 @@ api::Error failure(const std::string& program, const std::string& why) {
   return {api::Fault::internal, program + " " + why};
 }
 
+/// Its status and what it used; false where it is lost. `seconds` > 0: it is stopped then, `late` says so.
+bool wait_for(pid_t child, double seconds, int& status, rusage& use, bool& late) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  for (;;) {
+    const bool poll = seconds > 0 && !late;
+    const pid_t ended = wait4(child, &status, poll ? WNOHANG : 0, &use);
+    if (ended == child) return true;
+    if (ended < 0 && errno != EINTR) return false;
+    if (!poll) continue;
+    if (Clock::now() > end) {
+      late = true;
+      kill(child, SIGTERM);
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
+}
+
+double seconds_of(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
 }  // namespace
 
-api::Status run_child(const std::vector<std::string>& words, const std::filesystem::path& log) {
+api::Result<ChildUse> run_child(const std::vector<std::string>& words, const std::filesystem::path& log,
+                                const ChildLimits& limits) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -54,10 +82,21 @@ api::Status run_child(const std::vector<std::string>& words, const std::filesyst
   pid_t child = 0;
   if (const int fault = posix_spawn(&child, arguments[0], streams.get(), nullptr, arguments.data(), environ))
     return failure(words[0], std::string("cannot be started: ") + std::strerror(fault));
+  const rlimit memory{limits.memory_bytes, limits.memory_bytes};
+  if (limits.memory_bytes > 0) prlimit(child, RLIMIT_DATA, &memory, nullptr);
   int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return failure(words[0], std::string("is lost: ") + std::strerror(errno));
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return api::Done{};
+  rusage use{};
+  bool late = false;
+  if (!wait_for(child, limits.seconds, status, use, late))
+    return failure(words[0], std::string("is lost: ") + std::strerror(errno));
+  if (late)
+    return api::Error{api::Fault::out_of_resources,
+                      "stopped after " + std::to_string(static_cast<int>(limits.seconds)) + " s"};
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+    constexpr std::uint64_t kKilobyte = 1024;  // the unit of ru_maxrss
+    return ChildUse{seconds_of(use.ru_utime) + seconds_of(use.ru_stime),
+                    kKilobyte * static_cast<std::uint64_t>(use.ru_maxrss)};
+  }
   const std::string how = WIFSIGNALED(status) ? "was ended by signal " + std::to_string(WTERMSIG(status))
                                               : "ended with status " + std::to_string(WEXITSTATUS(status));
   return failure(words[0], how + ": " + last_line(log));

@@ -27,6 +27,23 @@ struct ErrorSums {
 
 ErrorSums compare(const PatchWeights& weights, std::span<const Rgb> values, std::span<const Rgb> reference);
 
+/// A frame of one sequence, and that of another to which it is compared.
+struct FramePair {
+  std::uint32_t values = 0, reference = 0;
+};
+
+/// Sums over the patches of each of `sets`, over `frames` (none given: all, one by one), of radiosity.npy
+/// against that of a reference. Errors: of RadiosityFile; invalid_request where numbers of patches differ,
+/// or a frame is not there.
+api::Result<std::vector<ErrorSums>> compare_sequences(std::span<const PatchWeights> sets,
+                                                      const std::filesystem::path& values,
+                                                      const std::filesystem::path& reference,
+                                                      std::span<const FramePair> frames = {});
+
+/// Writes the mean of two sequences of the same patches and frames. Errors: as above.
+api::Status write_mean(const std::filesystem::path& one, const std::filesystem::path& other,
+                       const std::filesystem::path& mean);
+
 /// max_c |B^ - B| / max(max_c B, half the mean B) of one patch; `floor`: half the mean B, > 0.
 double relative_error(const Rgb& value, const Rgb& reference, double floor_w_m2);
 

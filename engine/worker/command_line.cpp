@@ -131,30 +131,58 @@ api::Result<Command> parse_check(std::span<const std::string_view> words) {
 /// 2^53 - 1: what JSON carries without rounding.
 constexpr std::uint64_t kSeedMax = (std::uint64_t{1} << 53) - 1;
 
-/// `bench paper`.
+struct BenchName {
+  std::string_view name;
+  BenchKind kind;
+};
+constexpr BenchName kBenches[] = {{"paper", BenchKind::paper},
+                                  {"limit", BenchKind::limit},
+                                  {"scaling", BenchKind::scaling},
+                                  {"peers", BenchKind::peers}};
+
+/// An option of `bench NAME`; scenes are those of `paper`, parts and repetitions of what has them.
+api::Status take_bench_option(const BenchName& bench, const Word& word, BenchOptions& options) {
+  const bool has_parts = !bench_parts(bench.kind).empty();
+  const bool repeats = bench.kind != BenchKind::paper;
+  if (word.name == "--seed") return take_number(word, 0, kSeedMax, options.seed);
+  if (word.name == "--repetitions" && repeats)
+    return take_number(word, 1, kBenchRepetitionsMax, options.repetitions);
+  if (word.name == "--part" && has_parts) {
+    const auto parts = bench_parts(bench.kind);
+    if (std::find(parts.begin(), parts.end(), word.value) == parts.end())
+      return usage_error("bench " + std::string(bench.name) + " has no part '" + std::string(word.value) +
+                         "'");
+    options.part = word.value;
+  } else if (word.name == "--scene" && bench.kind == BenchKind::paper && !word.value.empty()) {
+    options.scene = word.value;
+  } else if (word.name == "--out" && !word.value.empty()) {
+    options.out_folder = word.value;
+  } else if (word.name == "--examples" && !word.value.empty()) {
+    options.examples_folder = word.value;
+  } else {
+    return usage_error("bench " + std::string(bench.name) + " takes no '" +
+                       std::string(word.name.empty() ? word.value : word.name) + "'");
+  }
+  return api::Done{};
+}
+
+/// `bench NAME`.
 api::Result<Command> parse_bench(std::span<const std::string_view> words) {
+  const auto bench = std::find_if(std::begin(kBenches), std::end(kBenches), [&](const BenchName& known) {
+    return !words.empty() && known.name == words[0];
+  });
+  if (bench == std::end(kBenches)) return usage_error("bench knows 'paper', 'limit', 'scaling' and 'peers'");
   BenchCommand command;
-  if (words.empty() || words[0] != "paper") return usage_error("bench knows 'paper' only");
+  command.options.kind = bench->kind;
+  if (bench->kind != BenchKind::paper) command.options.out_folder /= bench->name;
   std::vector<std::string_view> others(words.begin() + 1, words.end());
   const auto quick = take_switch("--quick", others);
   if (!quick) return quick.error();
   command.options.quick = *quick;
   const auto split = split_words(others);
   if (!split) return split.error();
-  for (const Word& word : *split) {
-    if (word.name == "--seed") {
-      if (const auto s = take_number(word, 0, kSeedMax, command.options.seed); !s) return s.error();
-    } else if (word.name == "--scene" && !word.value.empty()) {
-      command.options.scene = word.value;
-    } else if (word.name == "--out" && !word.value.empty()) {
-      command.options.out_folder = word.value;
-    } else if (word.name == "--examples" && !word.value.empty()) {
-      command.options.examples_folder = word.value;
-    } else {
-      return usage_error("bench paper takes no '" + std::string(word.name.empty() ? word.value : word.name) +
-                         "'");
-    }
-  }
+  for (const Word& word : *split)
+    if (const auto s = take_bench_option(*bench, word, command.options); !s) return s.error();
   return Command{command};
 }
 
@@ -176,7 +204,10 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
 std::string usage_line() {
   return "usage: keylume render JOB_FOLDER [--again] [--threads N] [--checkpoint-seconds N] [--parent PID]\n"
          "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID]\n"
-         "       keylume bench paper [--out FOLDER] [--scene NAME] [--seed N] [--quick] [--examples FOLDER]\n"
+         "       keylume bench paper [--scene NAME] [--out FOLDER] [--seed N] [--quick] [--examples FOLDER]\n"
+         "       keylume bench limit|scaling|peers [--part NAME] [--repetitions N] [--out FOLDER] [--seed N] "
+         "[--quick]\n"
+         "                           [--examples FOLDER]\n"
          "       keylume --help | --version\n";
 }
 
@@ -201,10 +232,17 @@ check    Reads the job, counts its patches and forecasts what a run takes. Says 
   --seconds N     at most N seconds of processor time (60)
   --parent PID    as for render
 
-bench    paper: runs the scenes of the paper that the method follows, prints its tables beside what comes
-         out, and leaves report.md, report.json and tables for plots. Takes many minutes.
-  --out FOLDER       where (keylume-bench)
-  --scene NAME       one of garage, garage_off, room, office; all of them when not given
+bench    Runs jobs as users run them and times them; prints a report and leaves report.md, report.json and
+         tables for plots. Takes many minutes; what was run already by the same program is not run again.
+         paper    the scenes of the paper that the method follows, its tables beside what comes out
+         limit    time and memory to an error in the garage, kernels against raw Embree, images, loading
+         scaling  the garage with more patches, frames, moving polygons, threads, lights
+         peers    the garage beside Blender Cycles, where `blender` is installed
+  --out FOLDER       where (keylume-bench; keylume-bench/limit, ...)
+  --scene NAME       paper: one of garage, garage_off, room, office; all of them when not given
+  --part NAME        limit: one of load, lines, channels, solve, images; scaling: one of patches, frames,
+                     moving, threads, lights; all of them when not given
+  --repetitions N    of what is compared by time; not of paper (5)
   --seed N           of all runs (1)
   --quick            large patches and few lines: shows that it works, not how fast
   --examples FOLDER  with garage, room and office (those of the checkout it was built from)

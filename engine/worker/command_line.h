@@ -1,4 +1,4 @@
-// What the user typed, checked: `keylume render|check JOB_FOLDER ...`, `keylume bench paper ...`.
+// What the user typed, checked: `keylume render|check JOB_FOLDER ...`, `keylume bench KIND ...`.
 #pragma once
 
 #include <sys/types.h>
@@ -12,7 +12,7 @@
 #include <variant>
 
 #include "api/result.h"
-#include "engine/bench/bench_paper.h"
+#include "engine/bench/bench_options.h"
 
 namespace engine {
 

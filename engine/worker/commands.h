@@ -54,7 +54,7 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, con
 /// Ends the process with limit_exceeded when the processor time is used up. Call from main, once.
 api::ExitCode check(const CheckCommand& command, const Checker& checker, const EngineParts& parts = {});
 
-/// As engine::bench_paper of this program. May throw.
+/// As engine::run_bench of this program. May throw.
 using Bench = std::function<api::Status(const BenchOptions&)>;
 
 /// The whole program: `words` are argv without the program's name.

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/bench/bench_paper.h"
+#include "engine/bench/bench.h"
 #include "engine/pipeline/job_fingerprint.h"
 #include "engine/pipeline/run_pipeline.h"
 #include "engine/worker/commands.h"
@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   try {
     const std::vector<std::string_view> words(argv + (argc > 0 ? 1 : 0), argv + argc);
     const engine::Bench bench = [](const engine::BenchOptions& options) {
-      return engine::bench_paper(options, engine::this_program());
+      return engine::run_bench(options, engine::this_program());
     };
     return static_cast<int>(
         engine::run_worker(words, engine::run_pipeline, engine::check_job, bench,

@@ -105,7 +105,7 @@ def sources_are_built(root, build):
             if path.resolve() not in compiled]
 
 
-LABELS = {"unit", "accuracy", "integration", "conventions", "peers"}
+LABELS = {"unit", "accuracy", "integration", "conventions", "bench", "peers"}
 
 
 def registered_tests(build):

@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 LINES_OF_A_FAILURE = 40
+SHOWN_ALWAYS = "ratio: "  # lines of tests that begin so are told also where they passed
 
 
 def said(case):
@@ -18,8 +19,14 @@ def said(case):
     return (["..."] if len(lines) > LINES_OF_A_FAILURE else []) + lines[-LINES_OF_A_FAILURE:]
 
 
+def ratios(case):
+    """What a test measured, to be shown whatever came out."""
+    output = case.find("system-out")
+    return [line for line in (output.text or "").splitlines() if line.startswith(SHOWN_ALWAYS)] if output is not None else []
+
+
 def read_label(path):
-    """-> (passed, failed, skipped, seconds, lines about what did not pass)"""
+    """-> (passed, failed, skipped, seconds, lines about what did not pass, and ratios)"""
     passed, failed, skipped, seconds, lines = 0, 0, 0, 0.0, []
     if not path.is_file():
         return 0, 1, 0, 0.0, [f"failed:  {path.stem}: ctest left no result"]
@@ -29,6 +36,7 @@ def read_label(path):
         skip = case.find("skipped")
         if case.get("status") == "run" and case.find("failure") is None and skip is None:
             passed += 1
+            lines += ratios(case)
         elif skip is not None and skip.get("message", "").startswith("SKIP_"):
             skipped += 1
             lines.append(f"skipped: {case.get('name')}")

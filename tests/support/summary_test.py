@@ -13,6 +13,7 @@ FAILED = ('<testcase name="bad" status="fail" time="0.5"><failure message=""/>'
           '<system-out>what it said</system-out></testcase>')
 SKIPPED = '<testcase name="absent" status="notrun" time="0"><skipped message="SKIP_RETURN_CODE=77"/></testcase>'
 UNBUILT = '<testcase name="unbuilt" status="notrun" time="0"><skipped message="Unable to find executable"/></testcase>'
+MEASURED = '<testcase name="bench" status="run" time="9"><system-out>noise\nratio: lines: 1.31\n</system-out></testcase>'
 
 
 class Summary(unittest.TestCase):
@@ -27,6 +28,12 @@ class Summary(unittest.TestCase):
     def test_all_passed(self):
         code, output = self.run_on(unit=PASSED * 2, accuracy=PASSED)
         self.assertEqual((code, output.splitlines()[-1]), (0, "3 passed, 0 failed"))
+
+    def test_what_a_test_measured_is_shown_where_it_passed(self):
+        code, output = self.run_on(bench=MEASURED)
+        self.assertEqual((code, output.splitlines()[-1]), (0, "1 passed, 0 failed"))
+        self.assertIn("\nratio: lines: 1.31\n", output)
+        self.assertNotIn("noise", output)
 
     def test_a_failure_is_named_and_counted(self):
         code, output = self.run_on(unit=PASSED + FAILED)

@@ -6,6 +6,7 @@
 
 #include "engine/bench/bench_job.h"
 #include "engine/bench/bench_plan.h"
+#include "engine/bench/bench_runner.h"
 #include "tests/support/temporary_folder.h"
 
 namespace engine {
@@ -71,6 +72,28 @@ TEST_F(BenchRuns, AreRepeatedUntilThereAreEnoughAndTheMedianCounts) {
   EXPECT_EQ(thrice->computation_s, 2);
   ASSERT_TRUE(run(job, 2));
   EXPECT_EQ(calls(), 3u) << "what was run is not run again";
+}
+
+// The n-th call says that it took n seconds: who ran when is seen in the times.
+TEST_F(BenchRuns, BesideEachOtherTakeTurns) {
+  BenchJob one = bench_plan({})[2].full, other = one;
+  one.name = "one";
+  other.name = "other";
+  other.lighting.seed = 7;
+  const BenchRunner runner{program(), kExamples, folder_.path() / "jobs"};
+  const auto runs = run_in_turn({one, other}, runner, 3);
+  ASSERT_TRUE(runs[0] && runs[1]);
+  EXPECT_EQ(solve_seconds(*runs[0]), (std::vector<double>{1.5, 3.5, 5.5}));
+  EXPECT_EQ(solve_seconds(*runs[1]), (std::vector<double>{2.5, 4.5, 6.5}));
+}
+
+TEST_F(BenchRuns, ThatAnyProgramMayLeaveAreKept) {
+  BenchJob job = bench_plan({})[2].full;
+  job.any_program = true;
+  ASSERT_TRUE(run(job, 1));
+  std::filesystem::last_write_time(program(), std::filesystem::file_time_type{} + std::chrono::hours(1));
+  ASSERT_TRUE(run(job, 1));
+  EXPECT_EQ(calls(), 1u);
 }
 
 TEST_F(BenchRuns, OfAnotherJobOrProgramCountForNothing) {

@@ -11,8 +11,8 @@ namespace {
 
 class ChildProcess : public testing::Test {
  protected:
-  api::Status run(const char* command) {
-    return run_child({"/bin/sh", "-c", command}, folder_.path() / "log");
+  api::Result<ChildUse> run(const char* command, const ChildLimits& limits = {}) {
+    return run_child({"/bin/sh", "-c", command}, folder_.path() / "log", limits);
   }
   tests::TemporaryFolder folder_;
 };
@@ -31,6 +31,24 @@ TEST_F(ChildProcess, FailureIsItsStatusAndItsLastWords) {
   const auto killed = run("kill -9 $$");
   ASSERT_FALSE(killed);
   EXPECT_EQ(killed.error().message, "/bin/sh was ended by signal 9: ");
+}
+
+TEST_F(ChildProcess, ThatTakesTooLongIsStopped) {
+  const auto quick = run("exit 0", {.seconds = 60});
+  EXPECT_TRUE(quick);
+  const auto slow = run("exec sleep 600", {.seconds = 0.1});
+  ASSERT_FALSE(slow);
+  EXPECT_EQ(slow.error().fault, api::Fault::out_of_resources);
+}
+
+TEST_F(ChildProcess, GetsNoMoreMemoryThanItMayHave) {
+  const char* doubles =
+      "x=xxxxxxxx; for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22; do x=$x$x; done";
+  const auto whole = run(doubles);
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_GT(whole->peak_memory_bytes, 8u << 22);
+  EXPECT_GT(whole->cpu_s, 0);
+  EXPECT_FALSE(run(doubles, {.memory_bytes = 4u << 20}));
 }
 
 TEST_F(ChildProcess, ThatCannotBeStartedIsAFailure) {

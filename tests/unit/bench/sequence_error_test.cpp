@@ -59,6 +59,34 @@ TEST_F(SequenceErrors, LeaveOutPatchesWithoutWeight) {
   EXPECT_EQ(error->largest, 0);
 }
 
+TEST_F(SequenceErrors, OfSetsOfPatchesAreOfTheFramesThatArePaired) {
+  const auto reference = written("full.npy", grey({{1, 2, 5}, {3, 4, 6}}));
+  const auto values = written("some.npy", grey({{5, 1}, {7, 3}}));  // frames 2 and 0, one off by 1
+  const std::vector<PatchWeights> sets{{1, 3}, {1, 0}, {0, 3}};
+  const std::vector<FramePair> frames{{0, 2}, {1, 0}};
+  const auto sums = compare_sequences(sets, values, reference, frames);
+  ASSERT_TRUE(sums) << sums.error().message;
+  EXPECT_NEAR((*sums)[0].rmse_w_m2(), std::sqrt(3.0 / 8), 1e-7);
+  EXPECT_NEAR((*sums)[0].mean_w_m2(), (5 + 1 + 3 * 6 + 3 * 3) / 8.0, 1e-7);
+  EXPECT_EQ((*sums)[1].rmse_w_m2(), 0);
+  EXPECT_NEAR((*sums)[2].rmse_w_m2(), std::sqrt(0.5), 1e-7);
+  EXPECT_FALSE(compare_sequences(sets, values, reference, std::vector<FramePair>{{0, 3}}));
+}
+
+TEST_F(SequenceErrors, OfTheMeanOfTwoIsHalfTheirDifference) {
+  const auto one = written("one.npy", grey({{1, 2}, {3, 4}})),
+             other = written("other.npy", grey({{3, 2}, {3, 8}}));
+  const auto mean = folder_.path() / "mean.npy";
+  ASSERT_TRUE(write_mean(one, other, mean));
+  const std::vector<PatchWeights> all{{1, 1}};
+  for (const auto& half : {one, other}) {
+    const auto sums = compare_sequences(all, half, mean);
+    ASSERT_TRUE(sums) << sums.error().message;
+    EXPECT_NEAR((*sums)[0].squares, 1 + 4, 1e-6);
+    EXPECT_NEAR((*sums)[0].radiosity, 2 + 2 + 3 + 6, 1e-6);
+  }
+}
+
 TEST_F(SequenceErrors, RefuseSequencesOfOtherPatches) {
   const auto reference = written("full.npy", grey({{1}, {2}}));
   const auto other = written("other.npy", grey({{1}, {2}, {3}}));

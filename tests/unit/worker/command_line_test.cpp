@@ -68,12 +68,29 @@ TEST(CommandLine, BenchTakesItsOptionsAndQuickWithoutAValue) {
 }
 
 TEST(CommandLine, BenchRefusesWhatItDoesNotKnow) {
-  EXPECT_EQ(refusal({"bench"}), "bench knows 'paper' only");
-  EXPECT_EQ(refusal({"bench", "garage"}), "bench knows 'paper' only");
+  EXPECT_EQ(refusal({"bench"}), "bench knows 'paper', 'limit', 'scaling' and 'peers'");
+  EXPECT_EQ(refusal({"bench", "garage"}), "bench knows 'paper', 'limit', 'scaling' and 'peers'");
   EXPECT_EQ(refusal({"bench", "paper", "job"}), "bench paper takes no 'job'");
   EXPECT_EQ(refusal({"bench", "paper", "--slow", "1"}), "bench paper takes no '--slow'");
   EXPECT_EQ(refusal({"bench", "paper", "--seed", "9007199254740992"}),
             "--seed takes a whole number from 0 to 9007199254740991, not '9007199254740992'");
+}
+
+TEST(CommandLine, EveryBenchHasAFolderAndPartsOfItsOwn) {
+  const auto limit = parse({"bench", "limit", "--part", "lines", "--repetitions=3"});
+  ASSERT_TRUE(limit) << limit.error().message;
+  const auto& options = std::get<engine::BenchCommand>(*limit).options;
+  EXPECT_EQ(options.kind, engine::BenchKind::limit);
+  EXPECT_EQ(options.part, "lines");
+  EXPECT_EQ(options.repetitions, 3);
+  EXPECT_EQ(options.out_folder, "keylume-bench/limit");
+  EXPECT_TRUE(parse({"bench", "scaling", "--part", "threads", "--quick"}));
+  EXPECT_TRUE(parse({"bench", "peers"}));
+  EXPECT_EQ(refusal({"bench", "limit", "--part", "threads"}), "bench limit has no part 'threads'");
+  EXPECT_EQ(refusal({"bench", "limit", "--scene", "room"}), "bench limit takes no '--scene'");
+  EXPECT_EQ(refusal({"bench", "peers", "--part", "x"}), "bench peers takes no '--part'");
+  EXPECT_EQ(refusal({"bench", "paper", "--repetitions", "2"}), "bench paper takes no '--repetitions'");
+  EXPECT_NE(refusal({"bench", "limit", "--repetitions", "0"}), "");
 }
 
 TEST(CommandLine, AfterTwoDashesEveryWordIsAFolder) {
