@@ -1,5 +1,6 @@
 #include "engine/lines/global_line.h"
 
+#include <array>
 #include <limits>
 #include <numbers>
 
@@ -41,6 +42,58 @@ BoxFace choose_face(const double (&areas)[3], float& u) {
   return {2, true};
 }
 
+/// Up to 16 parallel lines that enter through one face.
+class Bundle {
+ public:
+  Bundle(const LineBox& box, std::array<float, 4> point)
+      : lower_(box.lower), extent_(box.upper - box.lower), u_(point[0]), v_(point[1]) {
+    const double areas[3] = {double{extent_.y} * extent_.z, double{extent_.z} * extent_.x,
+                             double{extent_.x} * extent_.y};
+    const BoxFace face = choose_face(areas, u_);
+    a_ = (face.axis + 1) % 3;
+    b_ = (face.axis + 2) % 3;
+    if (face.upper) component(lower_, face.axis) += component(extent_, face.axis);
+    step_u_ = step(box.bundle_m, component(extent_, a_));
+    step_v_ = step(box.bundle_m, component(extent_, b_));
+
+    const float sine = std::sqrt(point[2]), angle = 2.0f * std::numbers::pi_v<float> * point[3];
+    const float cosine = std::sqrt(std::max(0.0f, 1.0f - point[2]));
+    component(direction_, face.axis) = face.upper ? -cosine : cosine;
+    component(direction_, a_) = sine * std::cos(angle);
+    component(direction_, b_) = sine * std::sin(angle);
+    far_ = 2.0f * length(extent_);
+  }
+
+  Ray line(std::uint32_t lane) const {
+    Ray ray{lower_, direction_, 0, far_};
+    component(ray.origin, a_) += wrapped(u_ + static_cast<float>(lane % kSide) * step_u_) * along(a_);
+    component(ray.origin, b_) += wrapped(v_ + static_cast<float>(lane / kSide) * step_v_) * along(b_);
+    return ray;
+  }
+
+ private:
+  static constexpr std::uint32_t kSide = 4;
+
+  /// As a share of the face; the lattice fills it at most.
+  static float step(float bundle_m, float extent_m) {
+    return extent_m > 0 ? std::min(bundle_m / extent_m, 1.0f / kSide) : 0.0f;
+  }
+  static float wrapped(float u) { return u < 1.0f ? u : u - 1.0f; }
+  float along(int axis) const { return axis == 0 ? extent_.x : axis == 1 ? extent_.y : extent_.z; }
+
+  Vec3 lower_, extent_, direction_;
+  float u_, v_, step_u_ = 0, step_v_ = 0, far_ = 0;
+  int a_ = 0, b_ = 0;
+};
+
+/// 0 for few patches.
+float bundle_spacing_m(const Patches& patches) {
+  if (patches.count() < kPatchesForBundles) return 0;
+  double area_m2 = 0;
+  for (const float area : patches.area_m2) area_m2 += area;
+  return static_cast<float>(std::sqrt(area_m2 / patches.count()));
+}
+
 }  // namespace
 
 LineBox line_box(const Patches& patches, const Animation& animation) {
@@ -51,7 +104,7 @@ LineBox line_box(const Patches& patches, const Animation& animation) {
   if (!(box.lower.x <= box.upper.x)) return {{-1, -1, -1}, {1, 1, 1}};  // nothing is ever visible
   const float margin = 1e-3f * length(box.upper - box.lower);
   const Vec3 by{margin, margin, margin};
-  return {box.lower - by, box.upper + by};
+  return {box.lower - by, box.upper + by, bundle_spacing_m(patches)};
 }
 
 double surface_m2(const LineBox& box) {
@@ -60,26 +113,19 @@ double surface_m2(const LineBox& box) {
 }
 
 Ray global_line(const LineBox& box, std::uint32_t line, std::uint64_t seed) {
-  auto [u0, u1, u2, u3] = owen_sobol(line, seed);
-  const Vec3 size = box.upper - box.lower;
-  const double areas[3] = {double{size.y} * size.z, double{size.z} * size.x, double{size.x} * size.y};
-  const BoxFace face = choose_face(areas, u0);
-  const int a = (face.axis + 1) % 3, b = (face.axis + 2) % 3;
+  const bool bundled = box.bundle_m > 0;
+  return Bundle(box, owen_sobol(bundled ? line / kLanes : line, seed)).line(bundled ? line % kLanes : 0);
+}
 
-  Ray ray;
-  ray.origin = box.lower;
-  Vec3 extent = size;
-  component(ray.origin, face.axis) += face.upper ? component(extent, face.axis) : 0.0f;
-  component(ray.origin, a) += u0 * component(extent, a);
-  component(ray.origin, b) += u1 * component(extent, b);
-
-  const float sine = std::sqrt(u2), angle = 2.0f * std::numbers::pi_v<float> * u3;
-  const float cosine = std::sqrt(std::max(0.0f, 1.0f - u2));
-  component(ray.direction, face.axis) = face.upper ? -cosine : cosine;
-  component(ray.direction, a) = sine * std::cos(angle);
-  component(ray.direction, b) = sine * std::sin(angle);
-  ray.far = 2.0f * length(size);
-  return ray;
+void global_lines(const LineBox& box, std::uint32_t first, std::uint32_t count, std::uint64_t seed,
+                  LinePacket& packet) {
+  packet.clear();
+  if (box.bundle_m > 0) {
+    const Bundle bundle(box, owen_sobol(first / kLanes, seed));
+    for (std::uint32_t lane = 0; lane < count; ++lane) packet.push(bundle.line(lane));
+    return;
+  }
+  for (std::uint32_t k = 0; k < count; ++k) packet.push(Bundle(box, owen_sobol(first + k, seed)).line(0));
 }
 
 double expected_crossings(std::uint64_t line_count, double patch_area_m2, double box_surface_m2) {

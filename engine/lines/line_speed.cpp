@@ -9,6 +9,7 @@
 #include "engine/base/parallel.h"
 #include "engine/lines/line_tracer.h"
 #include "engine/lines/trace_lines.h"
+#include "engine/visibility/line_scene.h"
 #include "engine/visibility/raw_rays.h"
 
 namespace engine {
@@ -35,7 +36,8 @@ class Contest {
         line_count_(line_count),
         box_(line_box(patches, animation)),
         static_rays_(patches, animation),
-        moving_rays_(patches, animation, frames),
+        at_rest_(static_rays_.line_scene(patches, animation)),
+        moving_(LineScene::moving(patches, animation, frames)),
         robust_(patches, animation, frames, true),
         fast_(patches, animation, frames, false),
         lines_(line_count),
@@ -70,11 +72,15 @@ class Contest {
 
   void trace() {
     for_lines([&](std::uint64_t first, std::uint64_t last) {
-      LineTracer tracer(patches_, static_rays_, moving_rays_, counts_);
+      LineTracer tracer(at_rest_, moving_, counts_);
       ChunkExchanges found;
       TracingCounts counts;
-      for (std::uint64_t line = first; line < last; ++line)
-        tracer.trace(global_line(box_, static_cast<std::uint32_t>(line), kSeed), found, counts);
+      LinePacket packet;
+      for (std::uint64_t line = first; line < last; line += kLanes) {
+        global_lines(box_, static_cast<std::uint32_t>(line),
+                     static_cast<std::uint32_t>(std::min<std::uint64_t>(kLanes, last - line)), kSeed, packet);
+        tracer.trace(packet, found, counts);
+      }
       seen_ += found.pairs.size() + found.changes.size();
     });
   }
@@ -82,7 +88,7 @@ class Contest {
   void trace_with_rows() {
     const auto traced =
         trace_lines(patches_, animation_, static_rays_, frames_, {line_count_, kSeed, 0, 0}, {});
-    seen_ += traced->static_rows.entries.size();
+    seen_ += traced->static_rows.entry_count();
   }
 
   void trace_raw(const RawRays& rays) {
@@ -97,7 +103,8 @@ class Contest {
   const std::uint64_t line_count_;
   const LineBox box_;
   const StaticRays static_rays_;
-  const MovingRays moving_rays_;
+  const LineScene& at_rest_;
+  const LineScene moving_;
   const RawRays robust_, fast_;
   std::vector<Ray> lines_;
   CrossingCounts counts_;

@@ -1,11 +1,14 @@
-// One line at a time: its hits, what crosses it, and who exchanges light along it. Internal to engine/lines.
+// Sixteen lines at a time: their hits, what crosses them, and who exchanges light along them. Internal to
+// engine/lines.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/lines/trace_lines.h"
 #include "engine/lines/visibility_list.h"
+#include "engine/visibility/line_scene.h"
 
 namespace engine {
 
@@ -13,40 +16,42 @@ namespace engine {
 struct ChunkExchanges {
   std::vector<RowEntry<Exchange>> pairs;
   std::vector<RowEntry<SlotExchange>> changes;
+
+  void clear() {
+    pairs.clear();
+    changes.clear();
+  }
 };
 
-/// Traces lines one after the other; one per task, so that its buffers need no locks. Counts of crossings are
-/// shared between tasks and added to atomically.
+/// Traces packets one after the other; one per task, so that its buffers need no locks. Crossings of patches
+/// that move are shared between tasks and added to atomically; those of patches at rest are among the pairs,
+/// the unseen ones as an Exchange without a sender.
 class LineTracer {
  public:
-  LineTracer(const Patches& patches, const StaticRays& static_rays, const MovingRays& moving_rays,
-             CrossingCounts& crossings)
-      : patches_(patches), static_rays_(static_rays), moving_rays_(moving_rays), crossings_(crossings) {}
+  LineTracer(const LineScene& at_rest, const LineScene& moving, CrossingCounts& crossings)
+      : at_rest_(at_rest), moving_(moving), crossings_(crossings) {}
 
-  /// A global line: everything along it, in both directions.
-  void trace(const Ray& ray, ChunkExchanges& found, TracingCounts& counts);
+  /// Global lines: everything along them, in both directions.
+  void trace(const LinePacket& packet, ChunkExchanges& found, TracingCounts& counts);
 
-  /// A line through a point of `receiver`, which is where it is in slots [first_slot, last_slot] (at rest: in
-  /// all of them): what `receiver` alone sees in these slots. Nothing where the line misses it by rounding.
-  void trace_from(const Ray& ray, PatchId receiver, std::uint32_t first_slot, std::uint32_t last_slot,
-                  ChunkExchanges& found);
+  /// Line k goes through a point of receivers[k], which is where it is in slots [first_slot, last_slot] (at
+  /// rest: in all of them): what it alone sees in these slots. Nothing where the line misses it by rounding.
+  void trace_from(const LinePacket& packet, std::span<const PatchId> receivers, std::uint32_t first_slot,
+                  std::uint32_t last_slot, ChunkExchanges& found);
 
  private:
-  void list_hits(const Ray& ray);
+  void list_pairs(std::uint32_t lane, ChunkExchanges& found) const;
+  void list_changes_of(std::uint32_t lane);
   void count_moving(PatchId patch, std::uint32_t first_slot, std::uint32_t last_slot);
-  void keep_slots(std::uint32_t first_slot, std::uint32_t last_slot);
-  bool count_receiver(PatchId receiver);
-  void list_exchanges();
+  bool sees_at_rest(std::uint32_t lane, PatchId receiver, ChunkExchanges& found) const;
+  bool count_receiver(std::uint32_t lane, PatchId receiver);
 
-  const Patches& patches_;
-  const StaticRays& static_rays_;
-  const MovingRays& moving_rays_;
+  const LineScene& at_rest_;
+  const LineScene& moving_;
   CrossingCounts& crossings_;
-  std::vector<SurfaceHit> static_hits_;
-  std::vector<MovingHit> moving_hits_;
+  LineScene::Buffers buffers_;
+  PacketCrossings static_line_, moving_line_;
   std::vector<Crossing> line_;
-  std::vector<MovingCrossing> moving_;
-  std::vector<SeenPair> pairs_;
   std::vector<PairChange> changes_;
 };
 

@@ -1,7 +1,10 @@
 #include "engine/lines/local_rays.h"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
+#include <optional>
+#include <tuple>
 
 #include "engine/base/parallel.h"
 #include "engine/base/sobol.h"
@@ -10,103 +13,195 @@
 namespace engine {
 namespace {
 
-constexpr PatchId kPatchesPerTask = 256;
+constexpr PatchId kPatchesPerTask = 128;
 constexpr std::uint64_t kStream =
     0x6c6f63616cull;  // keeps these points apart from the lines of the same seed
 
 /// The line starts this far before the patch, in lengths of the scene, so that it meets it as any other line.
 constexpr float kRunUp = 1e-4f;
 
-/// Where a patch is, in the slots of one of its object's poses.
-struct PlacedPatch {
-  PlacedFacet facet;
-  CellCorners cell;
-  bool is_back = false;
+/// A ray as its patch sees it: the same at every pose.
+struct LocalRay {
+  float u = 0, v = 0;  ///< on the facet
+  float x = 0, y = 0;  ///< along the tangents
+  float z = 0;         ///< along the normal of the patch's side
 };
 
-/// Density cos(theta) / pi about the normal of the patch's side; turns with the patch.
-Vec3 direction_from(const PlacedPatch& patch, float c, float d) {
-  const Vec3 normal = patch.is_back ? -patch.facet.normal : patch.facet.normal;
-  const Vec3 tangent = normalized(patch.facet.edge_u);
-  const Vec3 bitangent = cross(normal, tangent);
-  const float sine = std::sqrt(c), angle = 2.0f * std::numbers::pi_v<float> * d;
-  const float cosine = std::sqrt(std::max(0.0f, 1.0f - c));
-  return cosine * normal + (sine * std::cos(angle)) * tangent + (sine * std::sin(angle)) * bitangent;
-}
-
-class LocalTracer {
+/// The first rays of a patch, as many as were asked for.
+class RaysOfPatch {
  public:
-  LocalTracer(const Patches& patches, const Animation& animation, std::span<const FrameIndex> frames,
-              const LineOptions& options, float scene_size_m, CrossingCounts& crossings)
-      : patches_(patches),
-        animation_(animation),
-        frames_(frames),
-        options_(options),
-        scene_size_m_(scene_size_m),
-        crossings_(crossings) {}
+  RaysOfPatch(const Facet& facet, const Patches& patches, PatchId patch, std::uint64_t seed)
+      : cell_(cell_corners(facet, patches.cell_of(patch))),
+        is_back_(patches.is_back(patch)),
+        seed_(stream_seed(stream_seed(seed, kStream), patch)) {}
 
-  std::uint64_t complete(PatchId patch, LineTracer& tracer, ChunkExchanges& found) const {
-    const Facet& facet = patches_.facets[patches_.facet_of[patch]];
-    const ObjectMotion& motion = animation_.objects[facet.object];
-    PlacedPatch placed{{}, cell_corners(facet, patches_.cell_of(patch)), patches_.is_back(patch)};
-    if (crossings_.moving_row[patch] == kNoPatch) {
-      placed.facet = place(facet, motion.spans[0].pose);
-      const std::uint32_t last = crossings_.slot_count > 0 ? crossings_.slot_count - 1 : 0;
-      return shoot(patch, placed, 0, last,
-                   missing(crossings_.static_count[patch], options_.static_crossings_min), tracer, found);
-    }
-    std::uint64_t lines = 0;
-    for (const PlacedRange& range : placed_ranges(motion, frames_)) {
-      std::uint32_t fewest = crossings_.at(patch, range.first_slot);
-      for (std::uint32_t s = range.first_slot; s <= range.last_slot; ++s)
-        fewest = std::min(fewest, crossings_.at(patch, s));
-      const std::uint32_t wanted = missing(fewest, options_.moving_crossings_min);
-      if (wanted == 0) continue;
-      placed.facet = place(facet, *range.pose);
-      lines += shoot(patch, placed, range.first_slot, range.last_slot, wanted, tracer, found);
-    }
-    return lines;
+  bool is_back() const { return is_back_; }
+
+  std::span<const LocalRay> first(std::uint32_t count) {
+    while (rays_.size() < count) rays_.push_back(made(static_cast<std::uint32_t>(rays_.size())));
+    return std::span(rays_).first(count);
   }
 
  private:
+  /// Uniform on the patch, density cos(theta) / pi.
+  LocalRay made(std::uint32_t k) const {
+    const auto [a, b, c, d] = owen_sobol(k, seed_);
+    LocalRay ray;
+    std::tie(ray.u, ray.v) = uv_in(cell_, a, b);
+    const float sine = std::sqrt(c), angle = 2.0f * std::numbers::pi_v<float> * d;
+    ray.x = sine * std::cos(angle);
+    ray.y = sine * std::sin(angle);
+    ray.z = std::sqrt(std::max(0.0f, 1.0f - c));
+    return ray;
+  }
+
+  CellCorners cell_;
+  bool is_back_;
+  std::uint64_t seed_;
+  std::vector<LocalRay> rays_;
+};
+
+/// One side of a facet at a pose.
+struct PlacedSide {
+  PlacedFacet placed;
+  Vec3 normal, tangent, bitangent;
+
+  PlacedSide(const Facet& facet, const Pose& pose, bool is_back) : placed(place(facet, pose)) {
+    normal = is_back ? -placed.normal : placed.normal;
+    tangent = normalized(placed.edge_u);
+    bitangent = cross(normal, tangent);
+  }
+
+  Ray ray(const LocalRay& local, float scene_size_m) const {
+    Ray ray;
+    ray.direction = local.z * normal + local.x * tangent + local.y * bitangent;
+    ray.origin = point_at(placed, local.u, local.v) - (kRunUp * scene_size_m) * ray.direction;
+    ray.far = 2.0f * scene_size_m;
+    return ray;
+  }
+};
+
+/// Fills packets with rays of several patches, all of one range of slots.
+class Shooter {
+ public:
+  Shooter(LineTracer& tracer, ChunkExchanges& found) : tracer_(tracer), found_(found) {}
+
+  void set_slots(std::uint32_t first, std::uint32_t last) {
+    flush();
+    first_slot_ = first;
+    last_slot_ = last;
+  }
+  void shoot(const Ray& ray, PatchId receiver) {
+    receivers_[packet_.count] = receiver;
+    packet_.push(ray);
+    ++lines_;
+    if (packet_.count == kLanes) flush();
+  }
+  void flush() {
+    if (packet_.count == 0) return;
+    tracer_.trace_from(packet_, receivers_, first_slot_, last_slot_, found_);
+    packet_.clear();
+  }
+  std::uint64_t lines() const { return lines_; }
+
+ private:
+  LineTracer& tracer_;
+  ChunkExchanges& found_;
+  LinePacket packet_;
+  std::array<PatchId, kLanes> receivers_{};
+  std::uint32_t first_slot_ = 0, last_slot_ = 0;
+  std::uint64_t lines_ = 0;
+};
+
+class LocalTracer {
+ public:
+  LocalTracer(const LocalScene& scene, const LineOptions& options, float scene_size_m,
+              const CrossingCounts& crossings)
+      : scene_(scene), options_(options), scene_size_m_(scene_size_m), crossings_(crossings) {}
+
+  /// Patches [first, last), object by object. Answers how many lines it took.
+  std::uint64_t complete(PatchId first, PatchId last, LineTracer& tracer, ChunkExchanges& found) const {
+    Shooter shooter(tracer, found);
+    while (first < last) {
+      PatchId end = first + 1;
+      while (end < last && object_of(end) == object_of(first)) ++end;
+      if (crossings_.moving_row[first] == kNoPatch)
+        complete_at_rest(first, end, shooter);
+      else
+        complete_moving(first, end, shooter);
+      first = end;
+    }
+    shooter.flush();
+    return shooter.lines();
+  }
+
+ private:
+  const Facet& facet_of(PatchId patch) const { return scene_.patches.facets[scene_.patches.facet_of[patch]]; }
+  std::uint32_t object_of(PatchId patch) const { return facet_of(patch).object; }
   static std::uint32_t missing(std::uint32_t have, std::uint32_t wanted) {
     return have < wanted ? wanted - have : 0;
   }
+  RaysOfPatch rays_of(PatchId patch) const { return {facet_of(patch), scene_.patches, patch, options_.seed}; }
 
-  std::uint64_t shoot(PatchId patch, const PlacedPatch& placed, std::uint32_t first_slot,
-                      std::uint32_t last_slot, std::uint32_t lines, LineTracer& tracer,
-                      ChunkExchanges& found) const {
-    const std::uint64_t seed = stream_seed(stream_seed(options_.seed, kStream), patch);
-    for (std::uint32_t k = 0; k < lines; ++k) {
-      const auto [a, b, c, d] = owen_sobol(k, seed);
-      Ray ray;
-      ray.direction = direction_from(placed, c, d);
-      ray.origin = point_in(placed.facet, placed.cell, a, b) - (kRunUp * scene_size_m_) * ray.direction;
-      ray.far = 2.0f * scene_size_m_;
-      tracer.trace_from(ray, patch, first_slot, last_slot, found);
+  void complete_at_rest(PatchId first, PatchId last, Shooter& shooter) const {
+    shooter.set_slots(0, crossings_.slot_count > 0 ? crossings_.slot_count - 1 : 0);
+    const Pose& pose = scene_.animation.objects[object_of(first)].spans[0].pose;
+    for (PatchId patch = first; patch < last; ++patch) {
+      const std::uint32_t wanted = missing(crossings_.static_count[patch], options_.static_crossings_min);
+      if (wanted == 0) continue;
+      RaysOfPatch rays = rays_of(patch);
+      const PlacedSide side(facet_of(patch), pose, rays.is_back());
+      for (const LocalRay& ray : rays.first(wanted)) shooter.shoot(side.ray(ray, scene_size_m_), patch);
     }
-    return lines;
   }
 
-  const Patches& patches_;
-  const Animation& animation_;
-  const std::span<const FrameIndex> frames_;
+  std::uint32_t wanted_in(PatchId patch, const PlacedRange& range) const {
+    std::uint32_t fewest = crossings_.at(patch, range.first_slot);
+    for (std::uint32_t s = range.first_slot; s <= range.last_slot; ++s)
+      fewest = std::min(fewest, crossings_.at(patch, s));
+    return missing(fewest, options_.moving_crossings_min);
+  }
+
+  void complete_moving(PatchId first, PatchId last, Shooter& shooter) const {
+    std::vector<RaysOfPatch> rays;
+    for (PatchId patch = first; patch < last; ++patch) rays.push_back(rays_of(patch));
+    for (const PlacedRange& range :
+         placed_ranges(scene_.animation.objects[object_of(first)], scene_.frames)) {
+      shooter.set_slots(range.first_slot, range.last_slot);
+      std::uint32_t placed_of = kNoPatch;
+      std::optional<PlacedSide> front, back;
+      for (PatchId patch = first; patch < last; ++patch) {
+        const std::uint32_t wanted = wanted_in(patch, range);
+        if (wanted == 0) continue;
+        if (placed_of != scene_.patches.facet_of[patch]) {
+          placed_of = scene_.patches.facet_of[patch];
+          front.emplace(facet_of(patch), *range.pose, false);
+          back.emplace(facet_of(patch), *range.pose, true);
+        }
+        RaysOfPatch& of_patch = rays[patch - first];
+        const PlacedSide& side = of_patch.is_back() ? *back : *front;
+        for (const LocalRay& ray : of_patch.first(wanted)) shooter.shoot(side.ray(ray, scene_size_m_), patch);
+      }
+    }
+    shooter.flush();
+  }
+
+  const LocalScene& scene_;
   const LineOptions& options_;
   const float scene_size_m_;
-  CrossingCounts& crossings_;
+  const CrossingCounts& crossings_;
 };
 
 }  // namespace
 
-std::uint64_t add_local_rays(const Patches& patches, const Animation& animation,
-                             const StaticRays& static_rays, const MovingRays& moving_rays,
-                             std::span<const FrameIndex> frames, const LineOptions& options,
-                             CrossingCounts& crossings, std::vector<ChunkExchanges>& chunks,
-                             std::atomic<bool>& stopped, const Progress& progress) {
-  const LineBox box = line_box(patches, animation);
-  const LocalTracer local(patches, animation, frames, options, length(box.upper - box.lower), crossings);
-  const std::size_t before = chunks.size();
-  const std::size_t tasks = (patches.count() + kPatchesPerTask - 1) / kPatchesPerTask;
+std::uint64_t add_local_rays(const LocalScene& scene, const LineOptions& options, CrossingCounts& crossings,
+                             LineChunks& chunks, std::atomic<bool>& stopped, const Progress& progress) {
+  if (options.static_crossings_min == 0 && options.moving_crossings_min == 0) return 0;
+  crossings.static_count = count_rows(scene.patches.count(), chunks.blocks, chunks.pairs);
+  const LineBox box = line_box(scene.patches, scene.animation);
+  const LocalTracer local(scene, options, length(box.upper - box.lower), crossings);
+  const std::size_t before = chunks.pairs.size();
+  const std::size_t tasks = (scene.patches.count() + kPatchesPerTask - 1) / kPatchesPerTask;
   chunks.resize(before + tasks);
   std::atomic<std::uint64_t> lines = 0;
   parallel_for(tasks, [&](std::size_t task) {
@@ -114,10 +209,12 @@ std::uint64_t add_local_rays(const Patches& patches, const Animation& animation,
       stopped = true;
       return;
     }
-    LineTracer tracer(patches, static_rays, moving_rays, crossings);
+    thread_local ChunkExchanges found;
+    found.clear();
+    LineTracer tracer(scene.at_rest, scene.moving, crossings);
     const PatchId first = static_cast<PatchId>(task) * kPatchesPerTask;
-    for (PatchId patch = first; patch < std::min(first + kPatchesPerTask, patches.count()); ++patch)
-      lines += local.complete(patch, tracer, chunks[before + task]);
+    lines += local.complete(first, std::min(first + kPatchesPerTask, scene.patches.count()), tracer, found);
+    chunks.keep(before + task, found);
   });
   return lines;
 }

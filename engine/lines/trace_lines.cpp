@@ -2,14 +2,26 @@
 
 #include <atomic>
 
-#include "engine/lines/line_tracer.h"
+#include "engine/lines/line_chunks.h"
 #include "engine/lines/local_rays.h"
 #include "engine/patches/placed_facet.h"
+#include "engine/visibility/line_scene.h"
 
 namespace engine {
 namespace {
 
 constexpr std::uint64_t kLinesPerChunk = 4096;
+
+/// Lines [first, last); `first` is a multiple of 16.
+void trace_chunk(const LineBox& box, std::uint64_t first, std::uint64_t last, std::uint64_t seed,
+                 LineTracer& tracer, ChunkExchanges& found, TracingCounts& counts) {
+  LinePacket packet;
+  for (std::uint64_t line = first; line < last; line += kLanes) {
+    const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(kLanes, last - line));
+    global_lines(box, static_cast<std::uint32_t>(line), count, seed, packet);
+    tracer.trace(packet, found, counts);
+  }
+}
 
 }  // namespace
 
@@ -37,14 +49,16 @@ CrossingCounts empty_counts(const Patches& patches, const Animation& animation,
 api::Result<TracedLines> trace_lines(const Patches& patches, const Animation& animation,
                                      const StaticRays& static_rays, std::span<const FrameIndex> frames,
                                      const LineOptions& options, const Progress& progress) {
-  const MovingRays moving_rays(patches, animation, frames);
+  const LineScene& at_rest = static_rays.line_scene(patches, animation);
+  const LineScene moving = LineScene::moving(patches, animation, frames);
   const LineBox box = line_box(patches, animation);
   TracedLines traced;
   traced.slot_count = static_cast<std::uint32_t>(frames.size());
   traced.crossings = empty_counts(patches, animation, frames);
 
   const std::uint64_t chunk_count = (options.line_count + kLinesPerChunk - 1) / kLinesPerChunk;
-  std::vector<ChunkExchanges> found(chunk_count);
+  LineChunks chunks(patches.count());
+  chunks.resize(chunk_count);
   std::vector<TracingCounts> counts(chunk_count);
   std::atomic<std::uint64_t> done = 0;
   std::atomic<bool> stopped = false;
@@ -53,20 +67,23 @@ api::Result<TracedLines> trace_lines(const Patches& patches, const Animation& an
       stopped = true;
       return;
     }
-    LineTracer tracer(patches, static_rays, moving_rays, traced.crossings);
+    thread_local ChunkExchanges found;
+    found.clear();
+    LineTracer tracer(at_rest, moving, traced.crossings);
     const std::uint64_t first = chunk * kLinesPerChunk;
-    for (std::uint64_t line = first; line < std::min(first + kLinesPerChunk, options.line_count); ++line)
-      tracer.trace(global_line(box, static_cast<std::uint32_t>(line), options.seed), found[chunk],
-                   counts[chunk]);
+    trace_chunk(box, first, std::min(first + kLinesPerChunk, options.line_count), options.seed, tracer, found,
+                counts[chunk]);
+    chunks.keep(chunk, found);
     progress.report(static_cast<double>(++done) / static_cast<double>(chunk_count));
   });
   for (const TracingCounts& chunk : counts) traced.counts += chunk;
-  traced.counts.local_lines = add_local_rays(patches, animation, static_rays, moving_rays, frames, options,
-                                             traced.crossings, found, stopped, progress);
+  const LocalScene scene{patches, animation, at_rest, moving, frames};
+  traced.counts.local_lines = add_local_rays(scene, options, traced.crossings, chunks, stopped, progress);
   if (stopped) return api::Error{api::Fault::stopped, "stopped while tracing lines"};
 
-  traced.static_rows = build_rows(patches.count(), found, &ChunkExchanges::pairs);
-  traced.moving_rows = build_rows(patches.count(), found, &ChunkExchanges::changes);
+  traced.static_rows =
+      build_rows(patches.count(), chunks.blocks, chunks.pairs, &traced.crossings.static_count);
+  traced.moving_rows = build_rows(patches.count(), chunks.blocks, chunks.changes, nullptr);
   return traced;
 }
 

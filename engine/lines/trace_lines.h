@@ -19,8 +19,10 @@ namespace engine {
 /// Lines on which a receiver sees a sender, in every slot: up to 128 of them, packed into 32 bits.
 class Exchange {
  public:
-  Exchange() = default;
+  Exchange() : packed_(kSenderMask) {}  ///< without a sender
   explicit Exchange(PatchId sender) : packed_(sender) {}
+
+  bool has_sender() const { return sender() != kSenderMask; }  ///< else: the receiver sees nothing there
 
   PatchId sender() const { return packed_ & kSenderMask; }
   std::uint32_t count() const { return (packed_ >> kSenderBits) + 1; }
@@ -34,13 +36,19 @@ class Exchange {
     return true;
   }
 
+  /// Sorting takes as long as gathering what it would save a dozen times; in a row as long as a hundredth of
+  /// the patches a tenth of the entries are one of another's.
+  static bool is_worth_merging(std::uint64_t entries, std::uint32_t patches) {
+    return 64 * entries > patches;
+  }
+
  private:
   static constexpr unsigned kSenderBits = 25;
   static constexpr std::uint32_t kSenderMask = (1u << kSenderBits) - 1;
   static constexpr std::uint32_t kCountMax = 1u << (32 - kSenderBits);
   static_assert(kPatchesMax <= kSenderMask);
 
-  std::uint32_t packed_ = 0;  ///< lines less one, then the sender
+  std::uint32_t packed_;  ///< lines less one, then the sender
 };
 
 /// Lines on which a receiver sees a sender because of moving objects (weight > 0), or no longer does (< 0),
@@ -60,6 +68,12 @@ struct SlotExchange {
     if (std::abs(weight + other.weight) > std::numeric_limits<std::int16_t>::max()) return false;
     weight = static_cast<std::int16_t>(weight + other.weight);
     return true;
+  }
+
+  bool has_sender() const { return true; }
+  /// Few are equal: they would have to be of the same slots.
+  static bool is_worth_merging(std::uint64_t entries, std::uint32_t patches) {
+    return entries > 16ull * patches;
   }
 };
 

@@ -3,21 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "engine/patches/patches.h"
-#include "engine/visibility/ray_scene.h"
+#include "engine/visibility/crossing.h"
 
 namespace engine {
-
-/// A surface on a line, as the two patches it shows.
-struct Crossing {
-  float distance = 0;
-  PatchId facing_back = kNoPatch;     ///< the patch that looks to where the line comes from
-  PatchId facing_forward = kNoPatch;  ///< the patch that looks to where the line goes
-};
-
-Crossing crossing_of(const Patches& patches, const SurfaceHit& hit);
 
 /// Two patches that exchange light along a line. Neither is kNoPatch.
 struct SeenPair {
@@ -32,20 +23,15 @@ struct PairChange {
   std::int8_t sign = 1;
 };
 
-/// Moving crossings carry their slots.
-struct MovingCrossing : Crossing {
-  std::uint32_t first_slot = 0, last_slot = 0;
-};
-
 /// Consecutive static surfaces that see each other. Appends to `pairs`.
-void list_static_pairs(const std::vector<Crossing>& line, std::vector<SeenPair>& pairs);
+void list_static_pairs(std::span<const Crossing> line, std::vector<SeenPair>& pairs);
 
 /// Merges the moving crossings (sorted by distance) of every slot into the static list (sorted too), and
 /// appends the differences from the static pairs: a frame that no moving crossing belongs to inherits the
-/// static list, in the others only the segments that a moving surface cuts are replaced. Slots in which the
-/// same surfaces stand on the line share their changes.
+/// static list, in the others only the segments that a moving surface cuts are replaced. A pair that is added
+/// or cut in a run of slots is one change.
 /// This is figure 2 of Besuievsky & Pueyo, 2001, with differences in place of whole lists.
-void list_changes(const std::vector<Crossing>& line, const std::vector<MovingCrossing>& moving,
+void list_changes(std::span<const Crossing> line, std::span<const MovingCrossing> moving,
                   std::vector<PairChange>& changes);
 
 }  // namespace engine

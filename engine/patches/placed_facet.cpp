@@ -28,14 +28,18 @@ PlacedFacet place(const Facet& facet, const Pose& pose) {
   return placed;
 }
 
-Vec3 point_in(const PlacedFacet& placed, const CellCorners& cell, float a, float b) {
+std::pair<float, float> uv_in(const CellCorners& cell, float a, float b) {
   if (cell.count == 3 && a + b > 1.0f) {
     a = 1.0f - a;
     b = 1.0f - b;
   }
   const std::uint32_t last = cell.count - 1;
-  const float u = cell.u[0] + a * (cell.u[1] - cell.u[0]) + b * (cell.u[last] - cell.u[0]);
-  const float v = cell.v[0] + a * (cell.v[1] - cell.v[0]) + b * (cell.v[last] - cell.v[0]);
+  return {cell.u[0] + a * (cell.u[1] - cell.u[0]) + b * (cell.u[last] - cell.u[0]),
+          cell.v[0] + a * (cell.v[1] - cell.v[0]) + b * (cell.v[last] - cell.v[0])};
+}
+
+Vec3 point_in(const PlacedFacet& placed, const CellCorners& cell, float a, float b) {
+  const auto [u, v] = uv_in(cell, a, b);
   return point_at(placed, u, v);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/animation/animation.h"
@@ -28,6 +29,9 @@ PlacedFacet place(const Facet& facet, const Pose& pose);
 inline Vec3 point_at(const PlacedFacet& placed, float u, float v) {
   return placed.origin + u * placed.edge_u + v * placed.edge_v;
 }
+
+/// A point (u, v) of a cell, uniform by area for a, b uniform in [0, 1).
+std::pair<float, float> uv_in(const CellCorners& cell, float a, float b);
 
 /// A point of a cell of it, uniform by area for a, b uniform in [0, 1)  [m]
 Vec3 point_in(const PlacedFacet& placed, const CellCorners& cell, float a, float b);

@@ -3,25 +3,6 @@
 #include "engine/visibility/scene_facets.h"
 
 namespace engine {
-namespace {
-
-bool overlap(const MovingHit& a, const MovingHit& b) {
-  return a.first_slot <= b.last_slot && b.first_slot <= a.last_slot;
-}
-
-/// Appends `next` for those of its slots in which no hit before is the same crossing.
-void add_crossing(std::vector<MovingHit>& hits, const MovingHit& next) {
-  const MovingHit* met = same_crossing(hits, next, [&](const MovingHit& hit) { return overlap(hit, next); });
-  if (!met) return hits.push_back(next);
-  MovingHit earlier = next, later = next;
-  earlier.last_slot = met->first_slot - 1;  // used only where there are earlier slots
-  later.first_slot = met->last_slot + 1;
-  const bool has_earlier = next.first_slot < met->first_slot, has_later = met->last_slot < next.last_slot;
-  if (has_earlier) add_crossing(hits, earlier);
-  if (has_later) add_crossing(hits, later);
-}
-
-}  // namespace
 
 struct MovingRays::Impl {
   FacetBvh bvh;

@@ -43,6 +43,8 @@ struct MovingHit : SurfaceHit {
   std::uint32_t first_slot = 0, last_slot = 0;
 };
 
+class LineScene;
+
 /// The facets that never move, in one BVH. All calls are const and may run from many threads.
 class StaticRays {
  public:
@@ -57,6 +59,9 @@ class StaticRays {
   /// The first of all hits; of several at one distance one from its front, and of those the lowest facet.
   /// False where nothing is hit.
   bool nearest(const Ray& ray, SurfaceHit& hit) const;
+
+  /// The same facets for packets of lines; built by the first call, which gives what this was made of.
+  const LineScene& line_scene(const Patches& patches, const Animation& animation) const;
 
  private:
   struct Impl;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/lines/trace_lines.h"
-#include "engine/lines/visibility_list.h"
+#include "engine/visibility/line_scene.h"
 #include "tests/unit/engine/scenes.h"
 
 namespace tests {
@@ -35,15 +35,18 @@ struct OneFrame {
 inline OneFrame trace_one_frame(const World& world, engine::FrameIndex frame, std::uint32_t first,
                                 std::uint32_t last, std::uint64_t seed) {
   const engine::Animation rest = at_rest_in(world, frame);
-  const engine::StaticRays rays(world.patches, rest);
+  const engine::LineScene scene = engine::LineScene::at_rest(world.patches, rest);
   const engine::LineBox box = engine::line_box(world.patches, world.animation);
   OneFrame found{{}, std::vector<std::uint32_t>(world.patches.count(), 0)};
-  std::vector<engine::SurfaceHit> hits;
+  engine::LineScene::Buffers buffers;
+  engine::PacketCrossings hits;
+  engine::LinePacket packet;
   for (std::uint32_t line = first; line < last; ++line) {
-    rays.all_hits(engine::global_line(box, line, seed), hits);
+    packet.clear();
+    packet.push(engine::global_line(box, line, seed));
+    scene.all_hits(packet, buffers, hits);
     engine::PatchId before = engine::kNoPatch;
-    for (const engine::SurfaceHit& hit : hits) {
-      const engine::Crossing crossing = engine::crossing_of(world.patches, hit);
+    for (const engine::Crossing& crossing : hits.of(0)) {
       for (const engine::PatchId patch : {crossing.facing_back, crossing.facing_forward})
         if (patch != engine::kNoPatch) ++found.crossings[patch];
       if (before != engine::kNoPatch && crossing.facing_back != engine::kNoPatch) {

@@ -12,18 +12,18 @@ namespace engine {
 namespace {
 
 template <class Entry>
-struct Chunk {
-  std::vector<RowEntry<Entry>> entries;
-};
-using Chunks = std::vector<Chunk<Exchange>>;
+using Entries = std::vector<RowEntry<Entry>>;
 
+/// Of chunks of `per_chunk` entries.
 template <class Entry>
-Rows<Entry> rows_of(std::uint32_t row_count, std::vector<Chunk<Entry>>& chunks) {
-  return build_rows(row_count, chunks, &Chunk<Entry>::entries);
-}
-
-Chunks copies_of(PatchId row, PatchId sender, std::size_t count) {
-  return {{std::vector<RowEntry<Exchange>>(count, {row, Exchange(sender)})}};
+Rows<Entry> rows_of(std::uint32_t row_count, const Entries<Entry>& entries, std::size_t per_chunk,
+                    std::vector<std::uint32_t>* met = nullptr) {
+  const RowBlocks blocks(row_count);
+  std::vector<BlockedEntries<Entry>> chunks;
+  for (std::size_t first = 0; first < entries.size(); first += per_chunk)
+    chunks.push_back(deal_to_blocks(
+        std::span(entries).subspan(first, std::min(per_chunk, entries.size() - first)), blocks));
+  return build_rows(row_count, blocks, chunks, met);
 }
 
 TEST(Exchange, IsOneLineFromItsSender) {
@@ -67,8 +67,7 @@ TEST(SlotExchange, KeepsApartWhatItsWeightCannotHold) {
 
 TEST(BuildRows, MoreThan128LinesOfAPairAreSeveralEntriesOfTheRightSum) {
   for (const std::size_t count : {1u, 127u, 128u, 129u, 256u, 1000u}) {
-    Chunks chunks = copies_of(1, 4, count);
-    const auto rows = rows_of(3, chunks);
+    const auto rows = rows_of(3, Entries<Exchange>(count, {1, Exchange(4)}), count);
     EXPECT_EQ(rows.entry_count(), (count + 127) / 128);
     EXPECT_TRUE(rows.row(0).empty());
     EXPECT_TRUE(rows.row(2).empty());
@@ -82,16 +81,32 @@ TEST(BuildRows, MoreThan128LinesOfAPairAreSeveralEntriesOfTheRightSum) {
 }
 
 TEST(BuildRows, WithoutEntriesEveryRowIsEmpty) {
-  Chunks none;
-  const auto rows = rows_of(5, none);
+  const auto rows = rows_of(5, Entries<Exchange>{}, 1);
   EXPECT_EQ(rows.entry_count(), 0u);
   for (PatchId row = 0; row < 5; ++row) EXPECT_TRUE(rows.row(row).empty());
 }
 
+TEST(BuildRows, WithoutRowsNothingIsBuilt) {
+  EXPECT_EQ(rows_of(0, Entries<Exchange>{}, 1).entry_count(), 0u);
+}
+
+TEST(BuildRows, EntriesWithoutASenderAreCountedOnly) {
+  const Entries<Exchange> entries{{1, Exchange(2)}, {1, Exchange()}, {3, Exchange()}, {1, Exchange(0)}};
+  for (const std::uint32_t row_count : {4u, 1000u}) {  // rows long enough to be merged, and too short
+    std::vector<std::uint32_t> met;
+    const auto rows = rows_of(row_count, entries, 3, &met);
+    EXPECT_EQ(rows.entry_count(), 2u);
+    EXPECT_EQ(rows.row(1).size(), 2u);
+    EXPECT_EQ(met[0], 0u);
+    EXPECT_EQ(met[1], 3u);
+    EXPECT_EQ(met[3], 1u);
+  }
+}
+
 /// Entries for 40 rows, some with many lines of one sender.
-std::vector<RowEntry<Exchange>> random_entries(std::size_t count) {
+Entries<Exchange> random_entries(std::size_t count) {
   std::mt19937 random(3);
-  std::vector<RowEntry<Exchange>> entries;
+  Entries<Exchange> entries;
   for (std::size_t k = 0; k < count; ++k) {
     const auto row = static_cast<PatchId>(random() % 40);
     entries.push_back({row, Exchange(static_cast<PatchId>(random() % (row % 4 == 0 ? 2 : 300)))});
@@ -99,22 +114,36 @@ std::vector<RowEntry<Exchange>> random_entries(std::size_t count) {
   return entries;
 }
 
-Chunks dealt(const std::vector<RowEntry<Exchange>>& entries, std::size_t chunk_count) {
-  Chunks chunks(chunk_count);
-  for (std::size_t k = 0; k < entries.size(); ++k) chunks[k % chunk_count].entries.push_back(entries[k]);
-  return chunks;
-}
-
 TEST(BuildRows, CountsEveryEntryOfEveryChunk) {
   const auto entries = random_entries(30'000);
   std::map<std::pair<PatchId, PatchId>, std::uint32_t> expected, found;
   for (const auto& e : entries) ++expected[{e.row, e.entry.sender()}];
-  Chunks chunks = dealt(entries, 13);
-  const auto rows = rows_of(40, chunks);
+  const auto rows = rows_of(40, entries, 2'345);
   for (PatchId row = 0; row < 40; ++row)
     for (const Exchange& exchange : rows.row(row)) found[{row, exchange.sender()}] += exchange.count();
   EXPECT_EQ(found, expected);
-  for (const auto& chunk : chunks) EXPECT_TRUE(chunk.entries.empty());
+}
+
+/// Many rows, so that they come in several blocks and none of them is merged.
+TEST(BuildRows, ARowIsInTheOrderOfItsEntriesHoweverTheyWereCutIntoChunks) {
+  constexpr std::uint32_t kRows = 70'000;
+  std::mt19937 random(8);
+  Entries<Exchange> entries;
+  std::map<PatchId, std::vector<PatchId>> expected;
+  for (int k = 0; k < 20'000; ++k) {
+    const PatchId row = static_cast<PatchId>(random() % 100) * 700,
+                  sender = static_cast<PatchId>(random() % kRows);
+    entries.push_back({row, Exchange(sender)});
+    expected[row].push_back(sender);
+  }
+  for (const std::size_t per_chunk : {1u, 64u, 4'096u, 100'000u}) {
+    const auto rows = rows_of(kRows, entries, per_chunk);
+    for (PatchId row = 0; row < kRows; ++row) {
+      std::vector<PatchId> senders;
+      for (const Exchange& exchange : rows.row(row)) senders.push_back(exchange.sender());
+      ASSERT_EQ(senders, expected.count(row) > 0 ? expected[row] : std::vector<PatchId>{}) << row;
+    }
+  }
 }
 
 template <class Entry>
@@ -127,20 +156,8 @@ bool same(const Rows<Entry>& a, const Rows<Entry>& b, std::uint32_t row_count) {
   return true;
 }
 
-TEST(BuildRows, NeitherTheOrderOfTheEntriesNorTheChunksCanBeTold) {
-  auto entries = random_entries(20'000);
-  Chunks chunks = dealt(entries, 1);
-  const auto rows = rows_of(40, chunks);
-  std::mt19937 random(4);
-  for (const std::size_t chunk_count : {1u, 2u, 7u, 500u}) {
-    std::shuffle(entries.begin(), entries.end(), random);
-    Chunks other = dealt(entries, chunk_count);
-    EXPECT_TRUE(same(rows, rows_of(40, other), 40)) << chunk_count;
-  }
-}
-
-TEST(BuildRows, ChangesOfBothSignsMergeToTheirSumWhateverTheOrder) {
-  std::vector<RowEntry<SlotExchange>> entries;
+TEST(BuildRows, ChangesOfBothSignsMergeToTheirSum) {
+  Entries<SlotExchange> entries;
   std::map<std::tuple<PatchId, PatchId, int, int>, int> expected;
   std::mt19937 random(5);
   for (int k = 0; k < 20'000; ++k) {
@@ -151,16 +168,13 @@ TEST(BuildRows, ChangesOfBothSignsMergeToTheirSumWhateverTheOrder) {
     entries.push_back({row, {first, last, sign, sender}});
     expected[{row, sender, first, last}] += sign;
   }
-  std::vector<Chunk<SlotExchange>> chunks{{entries}}, shuffled(9);
-  std::shuffle(entries.begin(), entries.end(), random);
-  for (std::size_t k = 0; k < entries.size(); ++k) shuffled[k % 9].entries.push_back(entries[k]);
-  const auto rows = rows_of(5, chunks);
+  const auto rows = rows_of(5, entries, 20'000);
   std::map<std::tuple<PatchId, PatchId, int, int>, int> found;
   for (PatchId row = 0; row < 5; ++row)
     for (const SlotExchange& e : rows.row(row)) found[{row, e.sender, e.first_slot, e.last_slot}] += e.weight;
   EXPECT_EQ(found, expected);
   EXPECT_EQ(rows.entry_count(), expected.size());
-  EXPECT_TRUE(same(rows, rows_of(5, shuffled), 5));
+  EXPECT_TRUE(same(rows, rows_of(5, entries, 333), 5));
 }
 
 }  // namespace

@@ -139,12 +139,31 @@ TEST(VisibilityList, OnlyTheSegmentsThatAMovingSurfaceCutsAreReplaced) {
   cut.first_slot = 3;
   cut.last_slot = 90;
   std::vector<PairChange> changes;
-  list_changes(line, {cut}, changes);
+  list_changes(line, std::vector{cut}, changes);
   ASSERT_EQ(changes.size(), 3u);  // one pair gone, two new ones, for all slots at once
   for (const PairChange& change : changes) {
     EXPECT_EQ(change.first_slot, 3);
     EXPECT_EQ(change.last_slot, 90);
   }
+}
+
+// A thing that goes past: the pair behind it is cut once for all slots in which it stands between.
+TEST(VisibilityList, WhatGoesOnInTheNextSlotIsOneChange) {
+  const std::vector<Crossing> line{{1, kNoPatch, 2}, {5, 3, kNoPatch}};
+  std::vector<MovingCrossing> moving;
+  for (std::uint32_t slot = 10; slot < 14; ++slot) {
+    MovingCrossing crossing;
+    static_cast<Crossing&>(crossing) = {2 + 0.1f * static_cast<float>(slot), 20 + slot, kNoPatch};
+    crossing.first_slot = crossing.last_slot = slot;
+    moving.push_back(crossing);
+  }
+  std::vector<PairChange> changes;
+  list_changes(line, moving, changes);
+  ASSERT_EQ(changes.size(), 5u);  // the pair gone, and four patches that are seen for a slot each
+  EXPECT_EQ(changes[0].sign, -1);
+  EXPECT_EQ(changes[0].first_slot, 10);
+  EXPECT_EQ(changes[0].last_slot, 13);
+  expect_slots_agree(line, moving, 16);
 }
 
 TEST(VisibilityList, ListsAreAppendedTo) {

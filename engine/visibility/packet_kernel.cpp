@@ -1,0 +1,164 @@
+#include "engine/visibility/packet_kernel.h"
+
+#include <cmath>
+
+#include "engine/base/widest.h"
+
+namespace engine {
+namespace {
+
+void store(float (&to)[3], Vec3 v) {
+  to[0] = v.x;
+  to[1] = v.y;
+  to[2] = v.z;
+}
+
+/// A packet about the centre of a scene, and what all its tests need.
+struct alignas(64) PacketState {
+  float o[3][kLanes], d[3][kLanes], m[3][kLanes];  ///< m = o x d
+  float inverse[3][kLanes];                        ///< 1 / d, finite
+  float near[kLanes], far[kLanes];
+};
+
+/// The slabs are entered a little early and left a little late: rounding loses no box.
+constexpr float kWider = 1.0f + 1e-6f;
+
+[[gnu::always_inline]] inline void prepare(const LinePacket& packet, Vec3 centre, PacketState& s) {
+  const float about[3] = {centre.x, centre.y, centre.z};
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
+      const float d = packet.direction[axis][k];
+      s.o[axis][k] = packet.origin[axis][k] - about[axis];
+      s.d[axis][k] = d;
+      s.inverse[axis][k] = 1.0f / (std::abs(d) > 1e-18f ? d : 1e-18f);
+    }
+  for (std::uint32_t k = 0; k < kLanes; ++k) {
+    s.m[0][k] = s.o[1][k] * s.d[2][k] - s.o[2][k] * s.d[1][k];
+    s.m[1][k] = s.o[2][k] * s.d[0][k] - s.o[0][k] * s.d[2][k];
+    s.m[2][k] = s.o[0][k] * s.d[1][k] - s.o[1][k] * s.d[0][k];
+    s.near[k] = packet.near[k];
+    s.far[k] = packet.far[k];
+  }
+}
+
+[[gnu::always_inline]] inline bool meets_box(const BoxNode& node, const PacketState& s) {
+  std::uint32_t any = 0;
+  for (std::uint32_t k = 0; k < kLanes; ++k) {
+    const float x0 = (node.lower.x - s.o[0][k]) * s.inverse[0][k],
+                x1 = (node.upper.x - s.o[0][k]) * s.inverse[0][k];
+    const float y0 = (node.lower.y - s.o[1][k]) * s.inverse[1][k],
+                y1 = (node.upper.y - s.o[1][k]) * s.inverse[1][k];
+    const float z0 = (node.lower.z - s.o[2][k]) * s.inverse[2][k],
+                z1 = (node.upper.z - s.o[2][k]) * s.inverse[2][k];
+    const float in_x = x0 < x1 ? x0 : x1, out_x = x0 < x1 ? x1 : x0;
+    const float in_y = y0 < y1 ? y0 : y1, out_y = y0 < y1 ? y1 : y0;
+    const float in_z = z0 < z1 ? z0 : z1, out_z = z0 < z1 ? z1 : z0;
+    float in = in_x > in_y ? in_x : in_y, out = out_x < out_y ? out_x : out_y;
+    in = in > in_z ? in : in_z;
+    out = out < out_z ? out : out_z;
+    in = in > s.near[k] ? in : s.near[k];
+    out = (out < s.far[k] ? out : s.far[k]) * kWider;
+    any |= in <= out ? 1u : 0u;
+  }
+  return any != 0;
+}
+
+/// One bit per lane that passes inside all edges, from either side.
+[[gnu::always_inline]] inline std::uint32_t lanes_inside(const FacetTest& f, const PacketState& s) {
+  std::uint32_t inside = 0;
+  for (std::uint32_t k = 0; k < kLanes; ++k) {
+    float side[4];
+    for (int e = 0; e < 4; ++e)
+      side[e] = ((f.edge[e][0] * s.m[0][k] + f.edge[e][1] * s.m[1][k]) + f.edge[e][2] * s.m[2][k]) +
+                ((f.edge[e][3] * s.d[0][k] + f.edge[e][4] * s.d[1][k]) + f.edge[e][5] * s.d[2][k]);
+    const float low01 = side[0] < side[1] ? side[0] : side[1], low23 = side[2] < side[3] ? side[2] : side[3];
+    const float high01 = side[0] < side[1] ? side[1] : side[0],
+                high23 = side[2] < side[3] ? side[3] : side[2];
+    const float low = low01 < low23 ? low01 : low23, high = high01 < high23 ? high23 : high01;
+    const std::uint32_t in = (low >= 0 ? 1u : 0u) | (high <= 0 ? 1u : 0u);
+    inside |= in << k;
+  }
+  return inside;
+}
+
+struct alignas(64) Meeting {
+  float distance[kLanes], u[kLanes], v[kLanes];
+  std::uint32_t front[kLanes], valid[kLanes];
+};
+
+[[gnu::always_inline]] inline void meet_plane(const FacetTest& f, const PacketState& s, Meeting& at) {
+  for (std::uint32_t k = 0; k < kLanes; ++k) {
+    const float facing = f.normal[0] * s.d[0][k] + f.normal[1] * s.d[1][k] + f.normal[2] * s.d[2][k];
+    const float x = f.origin[0] - s.o[0][k], y = f.origin[1] - s.o[1][k], z = f.origin[2] - s.o[2][k];
+    const float t = (f.normal[0] * x + f.normal[1] * y + f.normal[2] * z) / facing;
+    const float px = t * s.d[0][k] - x, py = t * s.d[1][k] - y, pz = t * s.d[2][k] - z;
+    at.distance[k] = t;
+    at.u[k] = f.dual_u[0] * px + f.dual_u[1] * py + f.dual_u[2] * pz;
+    at.v[k] = f.dual_v[0] * px + f.dual_v[1] * py + f.dual_v[2] * pz;
+    at.front[k] = facing < 0 ? 1u : 0u;
+    at.valid[k] = (facing != 0 ? 1u : 0u) & (t >= s.near[k] ? 1u : 0u) & (t <= s.far[k] ? 1u : 0u);
+  }
+}
+
+[[gnu::always_inline]] inline void test_facet(const FacetTest& facet, std::uint32_t item,
+                                              const PacketState& s, std::vector<PacketHit>& hits) {
+  std::uint32_t inside = lanes_inside(facet, s);
+  if (inside == 0) return;
+  Meeting at;
+  meet_plane(facet, s, at);
+  for (; inside != 0; inside &= inside - 1) {
+    const auto lane = static_cast<std::uint32_t>(__builtin_ctz(inside));
+    if (at.valid[lane] == 0) continue;
+    hits.push_back({at.distance[lane], at.u[lane], at.v[lane], item, static_cast<std::uint16_t>(lane),
+                    static_cast<std::uint16_t>(at.front[lane])});
+  }
+}
+
+}  // namespace
+
+FacetTest facet_test(const PlacedFacet& facet, bool is_triangle, Vec3 centre) {
+  FacetTest test;
+  const int corners = is_triangle ? 3 : 4;
+  for (int e = 0; e < 4; ++e) {
+    const int from = std::min(e, corners - 1);
+    const Vec3 a = facet.corners[from] - centre, b = facet.corners[(from + 1) % corners] - centre;
+    const Vec3 along = b - a, about = cross(a, b);
+    const float values[6] = {along.x, along.y, along.z, about.x, about.y, about.z};
+    for (int k = 0; k < 6; ++k) test.edge[e][k] = values[k];
+  }
+  store(test.normal, facet.normal);
+  store(test.origin, facet.origin - centre);
+  const auto dual = [&](Vec3 edge,
+                        Vec3 other) {  // the vector in the plane across `other`, as long as 1 / edge
+    const Vec3 n = cross(edge, other), out = cross(other, n);
+    const float size = dot(edge, out);
+    return size > 0 ? out * (1.0f / size) : Vec3{};
+  };
+  store(test.dual_u, dual(facet.edge_u, facet.edge_v));
+  store(test.dual_v, dual(facet.edge_v, facet.edge_u));
+  return test;
+}
+
+KEYLUME_WIDEST
+void trace_packet(const FacetTree& tree, std::span<const std::uint32_t> roots, const LinePacket& packet,
+                  std::vector<PacketHit>& hits) {
+  PacketState state;
+  prepare(packet, tree.centre, state);
+  std::uint32_t stack[2 * kHierarchyDepth + 2];
+  for (const std::uint32_t root : roots) {
+    std::uint32_t size = 0;
+    stack[size++] = root;
+    while (size > 0) {
+      const BoxNode& node = tree.nodes[stack[--size]];
+      if (!meets_box(node, state)) continue;
+      if (node.count == 0) {
+        stack[size++] = node.first + 1;
+        stack[size++] = node.first;
+      }
+      for (std::uint32_t item = node.first; item < node.first + node.count; ++item)
+        test_facet(tree.tests[item], item, state, hits);
+    }
+  }
+}
+
+}  // namespace engine
