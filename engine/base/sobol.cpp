@@ -1,5 +1,7 @@
 #include "engine/base/sobol.h"
 
+#include "engine/base/widest.h"
+
 namespace engine {
 namespace {
 
@@ -70,7 +72,42 @@ constexpr ByteTables byte_tables() {
 
 constexpr ByteTables kTables = byte_tables();
 
+/// A seed of 32 bits from one of 64 that has been mixed, by dimension. The multiplications are those of
+/// MurmurHash3's last step.
+inline std::uint32_t dimension_seed(std::uint32_t low, std::uint32_t high, std::uint32_t dimension) {
+  std::uint32_t x = low + dimension * 0x9e3779b9u;
+  x = (x ^ (x >> 16)) * 0x85ebca6bu;
+  x = (x ^ (x >> 13) ^ high) * 0xc2b2ae35u;
+  return x ^ (x >> 16);
+}
+
 }  // namespace
+
+void SobolBits::set(std::size_t lane, std::uint32_t index) {
+  for (unsigned d = 0; d < 4; ++d) {
+    const auto& table = kTables[d];
+    of[d][lane] = reverse_bits(table[0][index & 255] ^ table[1][(index >> 8) & 255] ^
+                               table[2][(index >> 16) & 255] ^ table[3][index >> 24]);
+  }
+}
+
+KEYLUME_WIDEST
+void scramble(const SobolBits* const* bits, const SobolSeeds* seeds, std::size_t count, SobolPoints* points) {
+  constexpr std::size_t kLanes = SobolBits::kCount;
+  for (std::size_t b = 0; b < count; ++b) {
+    std::array<std::uint32_t, kLanes> low, high;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      low[k] = static_cast<std::uint32_t>(seeds[b][k]);
+      high[k] = static_cast<std::uint32_t>(seeds[b][k] >> 32);
+    }
+    for (std::uint32_t d = 0; d < 4; ++d)
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        const std::uint32_t seed = dimension_seed(low[k], high[k], d);
+        const std::uint32_t x = reverse_bits(permute_upward(bits[b]->of[d][k], seed));
+        points[b].of[d][k] = static_cast<float>(static_cast<std::int32_t>(x >> 8)) * 0x1p-24f;
+      }
+  }
+}
 
 std::array<float, 4> owen_sobol(std::uint32_t index, std::uint64_t seed) {
   const std::uint32_t shuffled =

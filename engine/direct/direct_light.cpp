@@ -1,7 +1,9 @@
 #include "engine/direct/direct_light.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <mutex>
 
 #include "engine/base/parallel.h"
 #include "engine/direct/window_lighter.h"
@@ -9,7 +11,62 @@
 namespace engine {
 namespace {
 
-constexpr PatchId kPatchesPerTask = 8;  // one that moves takes as long as all its frames
+/// Those that move take as long in a slot as others in all: they are lit in so many slots at a time.
+constexpr std::uint32_t kMovingSlots = 16;
+
+/// Room for the sums of a tile, all its replicates together: it should stay in the cache.
+constexpr std::uint32_t kSumsMax = 2 * kTileCellsMax;
+
+/// The more replicates, the smaller the tiles: 64, 16, 4, 1.
+std::uint32_t cells_per_tile(std::uint32_t replicates) {
+  std::uint32_t cells = kTileCellsMax;
+  while (cells > 1 && cells * replicates > 4 * kSumsMax) cells /= 4;
+  return cells;
+}
+
+struct Task {
+  Tile tile;
+  Slots slots;
+};
+
+/// What a tile is lit with; kept for the next one.
+struct Bench {
+  Bench(const LightingWindow& window, std::uint32_t replicates, std::uint32_t slots)
+      : sums(replicates, slots, cells_per_tile(replicates)), lighter(window, sums) {}
+  TileLayout layout;
+  TileSums sums;
+  TileLighter lighter;
+};
+
+/// As many as there are threads at work. None of what is kept in one matters to the next tile.
+class Benches {
+ public:
+  template <class Make>
+  std::unique_ptr<Bench> take(Make&& make) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!idle_.empty()) {
+        std::unique_ptr<Bench> bench = std::move(idle_.back());
+        idle_.pop_back();
+        return bench;
+      }
+    }
+    return make();
+  }
+  void give_back(std::unique_ptr<Bench> bench) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(bench));
+  }
+  DirectCounts counts() const {
+    DirectCounts counts;
+    for (const auto& bench : idle_) counts += {bench->lighter.samples(), bench->lighter.rays()};
+    return counts;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Bench>> idle_;
+};
 
 }  // namespace
 
@@ -34,17 +91,52 @@ struct DirectLighter::Impl {
                                                  part, options, window == 0);
   }
 
-  /// Into the columns of the window.
-  void store(const PatchSums& sums, PatchId patch, std::size_t window, DirectLight& into) const {
-    const std::size_t begin = window * kWindowMax;
-    const auto count = static_cast<std::uint32_t>(std::min(kWindowMax, frames.size() - begin));
-    Rgb* mean = into.irradiance_w_m2.row(patch) + begin;
-    for (std::uint32_t slot = 0; slot < count; ++slot) mean[slot] = sums.mean(slot);
-    if (sums.replicates() > 1) {
-      Rgb* variance = into.variance.row(patch) + begin;
-      for (std::uint32_t slot = 0; slot < count; ++slot) variance[slot] = sums.variance(slot);
+  std::uint32_t slots_of(std::size_t window) const {
+    return static_cast<std::uint32_t>(std::min(kWindowMax, frames.size() - window * kWindowMax));
+  }
+
+  std::vector<Task> tasks(PatchId first, PatchId end, std::size_t window) const {
+    const std::uint32_t slots = slots_of(window);
+    std::vector<Tile> tiles;
+    add_tiles(patches, first, end, cells_per_tile(std::max(1u, options.replicates)), tiles);
+    std::vector<Task> all;
+    for (const Tile& tile : tiles) {
+      const ObjectMotion& motion = animation.objects[patches.facets[tile.facet].object];
+      const std::uint32_t part = motion.is_static(animation.frame_count) ? kWindowMax : kMovingSlots;
+      std::uint32_t slot = 0;
+      do {
+        all.push_back({tile, {slot, std::min(slots, slot + part)}});
+        slot += part;
+      } while (slot < slots);
     }
-    if (window == 0) into.at_rest_w_m2[patch] = sums.mean_at_rest();
+    return all;
+  }
+
+  void light(const Task& task, const WindowLighter& lighter, std::size_t window,
+             const std::array<PatchId, 2>& asked, Bench& bench, DirectLight& into) const {
+    lay_out(patches, task.tile, bench.layout);
+    const std::vector<PatchId>& cells = bench.layout.patches;
+    std::uint64_t bits = 0;
+    for (std::size_t k = 0; k < cells.size(); ++k)
+      if (asked[0] <= cells[k] && cells[k] < asked[1]) bits |= std::uint64_t{1} << k;
+    if (bits == 0) return;
+    bench.sums.begin(static_cast<std::uint32_t>(cells.size()));
+    lighter.light_tile(task.tile, bench.layout, bits, task.slots, bench.lighter);
+    for (std::uint32_t k = 0; k < cells.size(); ++k)
+      if (((bits >> k) & 1) != 0) store(bench.sums, k, cells[k], window, task.slots, into);
+  }
+
+  /// Into the columns of the slots.
+  void store(const TileSums& sums, std::uint32_t cell, PatchId patch, std::size_t window, Slots slots,
+             DirectLight& into) const {
+    Rgb* mean = into.irradiance_w_m2.row(patch) + window * kWindowMax;
+    for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot) mean[slot] = sums.mean(cell, slot);
+    if (sums.replicates() > 1) {
+      Rgb* variance = into.variance.row(patch) + window * kWindowMax;
+      for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot)
+        variance[slot] = sums.variance(cell, slot);
+    }
+    if (window == 0 && slots.begin == 0) into.at_rest_w_m2[patch] = sums.mean_at_rest(cell);
   }
 };
 
@@ -71,34 +163,31 @@ DirectLight DirectLighter::empty() const {
 
 api::Status DirectLighter::light(PatchId first, PatchId end, DirectLight& into,
                                  const Progress& progress) const {
-  const std::size_t tasks = (end - first + kPatchesPerTask - 1) / kPatchesPerTask;
   const std::size_t windows = impl_->windows();
-  const auto slots = static_cast<std::uint32_t>(std::min(kWindowMax, impl_->frames.size()));
-  std::atomic<std::size_t> done = 0;
-  std::atomic<std::uint64_t> samples = 0, rays = 0;
   std::atomic<bool> stopped = false;
   for (std::size_t window = 0; window < windows && !stopped; ++window) {
     const auto made = impl_->only_window ? nullptr : impl_->make_window(window);
     const WindowLighter& lighter = made ? *made : *impl_->only_window;
-    parallel_for(tasks, [&](std::size_t task) {
-      const PatchId from = first + static_cast<PatchId>(task) * kPatchesPerTask;
-      PatchSums sums(std::max(1u, impl_->options.replicates), slots);
-      PatchLighter of_patch(lighter.window(), sums);
-      for (PatchId patch = from; patch < std::min(from + kPatchesPerTask, end); ++patch) {
-        if (stopped || progress.stop_requested()) {
-          stopped = true;
-          return;
-        }
-        sums.clear();
-        lighter.light_patch(patch, of_patch);
-        impl_->store(sums, patch, window, into);
+    const std::vector<Task> tasks = impl_->tasks(first, end, window);
+    Benches benches;
+    std::atomic<std::size_t> done = 0;
+    parallel_for(tasks.size(), [&](std::size_t t) {
+      if (stopped || progress.stop_requested()) {
+        stopped = true;
+        return;
       }
-      samples += of_patch.samples();
-      rays += of_patch.rays();
-      progress.report(static_cast<double>(++done) / static_cast<double>(tasks * windows));
+      auto bench = benches.take([&] {
+        return std::make_unique<Bench>(lighter.window(), std::max(1u, impl_->options.replicates),
+                                       impl_->slots_of(window));
+      });
+      impl_->light(tasks[t], lighter, window, {first, end}, *bench, into);
+      benches.give_back(std::move(bench));
+      progress.report(
+          (static_cast<double>(window) + static_cast<double>(++done) / static_cast<double>(tasks.size())) /
+          static_cast<double>(windows));
     });
+    into.counts += benches.counts();
   }
-  into.counts += {samples, rays};
   if (stopped) return api::Error{api::Fault::stopped, "stopped while lighting directly"};
   return api::Done{};
 }

@@ -3,44 +3,36 @@
 #include <algorithm>
 
 namespace engine {
-namespace {
 
-Receiver receiver_at(const Patches& patches, PatchId patch, const Pose& pose, Slots slots) {
-  const Facet& facet = patches.facets[patches.facet_of[patch]];
+void Receiver::set_cell(const CellCorners& corners) {
+  cell = corners;
+  middle = {};
+  for (std::uint32_t c = 0; c < cell.count; ++c)
+    middle = middle + (1.0f / static_cast<float>(cell.count)) * point_at(placed, cell.u[c], cell.v[c]);
+  float squared = 0;
+  for (std::uint32_t c = 0; c < cell.count; ++c) {
+    const Vec3 apart = point_at(placed, cell.u[c], cell.v[c]) - middle;
+    squared = std::max(squared, dot(apart, apart));
+  }
+  radius_m = std::sqrt(squared);
+}
+
+Receiver receiver_facet(const Facet& facet, std::uint32_t number, bool back, const Pose& pose, Slots slots) {
   Receiver receiver;
-  receiver.patch = patch;
-  receiver.facet = patches.facet_of[patch];
+  receiver.facet = number;
   receiver.slots = slots;
   receiver.placed = place(facet, pose);
   receiver.roughness = roughness_of(receiver.placed, facet.is_triangle);
-  if (patches.is_back(patch)) receiver.placed.normal = -receiver.placed.normal;
-  receiver.cell = cell_corners(facet, patches.cell_of(patch));
-
-  const CellCorners& cell = receiver.cell;
-  for (std::uint32_t c = 0; c < cell.count; ++c)
-    receiver.middle = receiver.middle + (1.0f / static_cast<float>(cell.count)) *
-                                            point_at(receiver.placed, cell.u[c], cell.v[c]);
-  for (std::uint32_t c = 0; c < cell.count; ++c)
-    receiver.radius_m = std::max(receiver.radius_m,
-                                 length(point_at(receiver.placed, cell.u[c], cell.v[c]) - receiver.middle));
+  if (back) receiver.placed.normal = -receiver.placed.normal;
   return receiver;
 }
 
-}  // namespace
-
-std::vector<Receiver> place_receiver(const Patches& patches, const Animation& animation, PatchId patch,
-                                     std::span<const FrameIndex> frames) {
-  const ObjectMotion& motion = animation.objects[patches.facets[patches.facet_of[patch]].object];
-  std::vector<Receiver> receivers;
-  if (motion.is_static(animation.frame_count)) {
-    const Slots all{0, static_cast<std::uint32_t>(frames.size())};
-    receivers.push_back(receiver_at(patches, patch, motion.spans[0].pose, all));
-    receivers[0].is_static = true;
-    return receivers;
-  }
-  for (const PlacedRange& range : placed_ranges(motion, frames))
-    receivers.push_back(receiver_at(patches, patch, *range.pose, {range.first_slot, range.last_slot + 1}));
-  return receivers;
+CellEdges cell_edges(const PlacedFacet& placed, const CellCorners& cell) {
+  const std::uint32_t last = cell.count - 1;
+  const auto edge = [&](std::uint32_t to) {
+    return (cell.u[to] - cell.u[0]) * placed.edge_u + (cell.v[to] - cell.v[0]) * placed.edge_v;
+  };
+  return {point_at(placed, cell.u[0], cell.v[0]), edge(1), edge(last)};
 }
 
 }  // namespace engine

@@ -19,10 +19,17 @@ struct Receiver {
 
   /// a, b uniform in [0, 1) give points uniform by area.
   Vec3 at(float a, float b) const { return point_in(placed, cell, a, b); }
+  /// Also where its middle is, and how large it is.
+  void set_cell(const CellCorners& corners);
 };
 
-/// In the order of its poses. A patch that rests has one, also in a window without frames.
-std::vector<Receiver> place_receiver(const Patches& patches, const Animation& animation, PatchId patch,
-                                     std::span<const FrameIndex> frames);
+/// A side of a facet at a pose; of no patch of it yet.
+Receiver receiver_facet(const Facet& facet, std::uint32_t number, bool back, const Pose& pose, Slots slots);
+
+/// A cell, or half of one: corner + a edge_u + b edge_v.  [m]
+struct CellEdges {
+  Vec3 corner, edge_u, edge_v;
+};
+CellEdges cell_edges(const PlacedFacet& placed, const CellCorners& cell);
 
 }  // namespace engine

@@ -22,9 +22,20 @@ WindowLighter::WindowLighter(const Patches& patches, const Animation& animation,
               scene_reach_m(patches, animation),
               with_rest} {}
 
-void WindowLighter::light_patch(PatchId patch, PatchLighter& lighter) const {
-  for (const Receiver& receiver : place_receiver(patches_, animation_, patch, frames_))
-    lighter.add_lights(receiver);
+void WindowLighter::light_tile(const Tile& tile, const TileLayout& layout, std::uint64_t cells, Slots slots,
+                               TileLighter& lighter) const {
+  const ObjectMotion& motion = animation_.objects[patches_.facets[tile.facet].object];
+  PlacedTile placed;
+  if (motion.is_static(animation_.frame_count)) {
+    placed.place(patches_, tile, layout, motion.spans[0].pose, slots, true);
+    return lighter.light(placed, cells);
+  }
+  for (const PlacedRange& range : placed_ranges(motion, frames_)) {
+    const Slots there = overlap(slots, {range.first_slot, range.last_slot + 1});
+    if (there.empty()) continue;
+    placed.place(patches_, tile, layout, *range.pose, there, false);
+    lighter.light(placed, cells);
+  }
 }
 
 }  // namespace engine

@@ -1,9 +1,9 @@
-// The patches of one window of frames, lit one by one.
+// The patches of one window of frames, lit tile by tile.
 #pragma once
 
 #include <memory>
 
-#include "engine/direct/patch_lighter.h"
+#include "engine/direct/tile_lighter.h"
 
 namespace engine {
 
@@ -17,8 +17,9 @@ class WindowLighter {
   WindowLighter(const WindowLighter&) = delete;
   WindowLighter& operator=(const WindowLighter&) = delete;
 
-  /// Adds the irradiance of `patch` to what `lighter` sums.
-  void light_patch(PatchId patch, PatchLighter& lighter) const;
+  /// Adds the irradiance of `cells` (bits) of a tile in `slots` to what `lighter` sums.
+  void light_tile(const Tile& tile, const TileLayout& layout, std::uint64_t cells, Slots slots,
+                  TileLighter& lighter) const;
 
   const LightingWindow& window() const { return window_; }
 

@@ -63,10 +63,23 @@ class Placing {
         if (rest == emission_.sources[s].is_static()) add_source(s, rest);
       if (rest) placed_.static_count = placed_.lights.size();
     }
+    group_all();
     return std::move(placed_);
   }
 
  private:
+  void group_all() {
+    for (std::uint32_t b = 0; b < placed_.brightness.of.size(); ++b) {
+      LightGroup group{{}, true};
+      for (std::uint32_t l = 0; l < placed_.static_count; ++l)
+        if (placed_.lights[l].brightness == b) group.members.push_back({l, 0});
+      if (!group.members.empty()) placed_.groups.push_back(std::move(group));
+    }
+    for (auto l = static_cast<std::uint32_t>(placed_.static_count); l < placed_.lights.size(); ++l)
+      for (std::uint32_t p = 0; p < placed_.lights[l].poses.size(); ++p)
+        placed_.groups.push_back({{{l, p}}, false});
+  }
+
   const ObjectMotion& motion_of(const Light& light) const {
     return animation_.objects[patches_.facets[light.facet].object];
   }

@@ -50,12 +50,23 @@ struct WindowLight {
   std::vector<LightPose> poses;
 };
 
+/// Lights that are equally bright in the same slots: what a patch gets from them is one factor for each slot.
+struct LightGroup {
+  struct Member {
+    std::uint32_t light = 0, pose = 0;
+  };
+  std::vector<Member> members;  ///< in order
+  bool is_static = false;
+};
+
 struct WindowLights {
   BrightnessTable brightness;
   /// Lights that rest and shine in some frame of the animation, the same ones in the same order in every
   /// window; then those that move and shine in a slot of this one, in which poses that are dark are left out.
   std::vector<WindowLight> lights;
   std::size_t static_count = 0;
+  /// Those at rest by their brightness, then every pose of those that move by itself.
+  std::vector<LightGroup> groups;
 };
 
 /// `emission`: what counts as a light; all of the animation's, or a part. `frames`: 0 .. kWindowMax,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/patches/placed_facet.h"
+#include "engine/visibility/convex_solids.h"
 #include "engine/visibility/ray_scene.h"
 #include "engine/visibility/shaft.h"
 
@@ -11,11 +12,12 @@ namespace engine {
 
 /// A facet in the slots [first_slot, last_slot] of a window; at rest in none.
 struct Occluder {
-  std::array<Vec3, 4> corners;  ///< of a triangle the last one twice  [m]
   Vec3 origin, normal;
   Vec3 across_u, across_v;  ///< u = across_u . (p - origin), v likewise  [1/m]
   float sum_max = 2;        ///< of u + v: 1 in a triangle
   std::uint32_t first_slot = 0, last_slot = 0;
+  std::uint32_t solid = kNoSolid;  ///< that it bounds, into the boxes of whoever lists it
+  std::array<Vec3, 4> corners;     ///< of a triangle the last one twice  [m]
 
   Occluder(const PlacedFacet& placed, bool is_triangle);
 };
@@ -34,6 +36,34 @@ struct RayLanes {
 /// Bit k: ray k crosses the facet. Some 50 operations per ray, all rays at once. Unlike the trees it makes no
 /// promise about rays through an edge that two facets share: one in some million slips through (rounding).
 std::uint32_t crossed_by(const Occluder& facet, const RayLanes& rays);
+/// The same of several blocks of rays: crossed[b].
+void crossed_by(const Occluder& facet, const RayLanes* rays, std::size_t blocks, std::uint32_t* crossed);
+
+/// Facets packed for the shafts within a shaft: sixteen to a block, the last one filled up with none.
+struct OccluderList {
+  std::vector<FacetLanes> lanes;
+  std::vector<const Occluder*> facets;
+
+  void clear() {
+    lanes.clear();
+    facets.clear();
+  }
+  /// Adds lane `k` of `from`, which is `facet`. `of_solid`: of a convex solid that no ray ends in.
+  void add(const FacetLanes& from, std::size_t k, const Occluder* facet, bool of_solid);
+};
+
+/// What may stand in a shaft, to be sifted by the shafts of its parts.
+struct Candidates {
+  OccluderList at_rest, moving;
+  bool many_at_rest = false;  ///< too many to be listed: they are found anew for every part
+  SlotMask many_moving;       ///< the slots in which something moves that is never listed
+
+  void clear();
+  bool some_slots_many() const { return (many_moving.bits[0] | many_moving.bits[1]) != 0; }
+  bool none() const {
+    return at_rest.facets.empty() && moving.facets.empty() && !many_at_rest && !some_slots_many();
+  }
+};
 
 /// What is found in a shaft.
 struct ShaftContents {
@@ -60,13 +90,18 @@ class StaticOccluders {
   /// Lists those that may meet the shaft: no others block a ray in it; or says that they are more than
   /// `most`.
   void collect(const Shaft& shaft, std::size_t most, ShaftContents& contents) const;
+  void collect(const Shaft& shaft, std::size_t most, Candidates& candidates) const;
 
  private:
-  explicit StaticOccluders(const std::vector<Occluder>& facets);
+  explicit StaticOccluders(std::vector<Occluder> facets);
+
+  template <class Use, class GoOn>
+  void each_block(const Shaft& shaft, Use&& use, GoOn&& go_on) const;
 
   BoxTree tree_;
   std::vector<Occluder> facets_;   ///< in the order of the tree
   std::vector<FacetLanes> lanes_;  ///< [leaf]
+  std::vector<Box> solids_;        ///< around convex solids
 };
 
 /// The facets that move, at every pose they take in the slots of one window.
@@ -74,13 +109,21 @@ class MovingOccluders {
  public:
   MovingOccluders(const Patches& patches, const Animation& animation, std::span<const FrameIndex> frames);
 
-  /// Lists those that may meet the shaft in some slot of [first_slot, last_slot], or says that there are
-  /// many. A shaft of all frames from `one_place` lists them only where few facets move; one that follows
-  /// what moves meets few poses. Whether they are listed does not depend on the window.
-  void collect(const Shaft& shaft, bool one_place, std::uint32_t first_slot, std::uint32_t last_slot,
+  /// Lists those that may meet the shaft in some slot of [first_slot, last_slot], or says in which slots
+  /// something may that is never listed: whether an object is does not depend on the window.
+  void collect(const Shaft& shaft, std::uint32_t first_slot, std::uint32_t last_slot,
                ShaftContents& contents) const;
+  void collect(const Shaft& shaft, std::uint32_t first_slot, std::uint32_t last_slot,
+               Candidates& candidates) const;
+  /// The slots of the range in which something that is never listed may meet the shaft.
+  SlotMask unlisted(const Shaft& shaft, std::uint32_t first_slot, std::uint32_t last_slot) const;
 
  private:
+  /// Of an object, and the solids that they bound.
+  struct ListedFacets {
+    std::vector<const Facet*> facets;
+    std::vector<std::uint32_t> solids;
+  };
   /// An object where it is in some slots.
   struct PlacedObject {
     Box box;
@@ -89,19 +132,45 @@ class MovingOccluders {
   };
   std::vector<Box> place(const Patches& patches, const Animation& animation,
                          std::span<const FrameIndex> frames);
-  PlacedObject place(const std::vector<const Facet*>& facets, const PlacedRange& range, bool listed);
-  void list_facets(const PlacedObject& object, const Shaft& shaft, ShaftContents& contents) const;
+  PlacedObject place(const ListedFacets& facets, const PlacedRange& range, bool listed);
+  template <class Use>
+  void each_object(const Shaft& shaft, std::uint32_t first_slot, std::uint32_t last_slot, Use&& use) const;
+  template <class Use>
+  void each_block(const PlacedObject& object, const Shaft& shaft, Use&& use) const;
+  template <class Use>
+  void collect_by(const Shaft& shaft, std::uint32_t first_slot, std::uint32_t last_slot, SlotMask& many,
+                  Use&& use) const;
 
-  /// Facets of an object, and of all that moves in the way of shafts from one place: beyond these trees win.
-  /// Of all that moves, for shafts that follow it: bounds the memory, some 200 bytes per facet and pose.
-  static constexpr std::size_t kOfObjectMax = 256, kOfAllMax = 64, kFollowedMax = 8192;
+  /// Facets of an object: beyond these its tree wins. Of all that moves: bounds the memory, some 200 bytes
+  /// per facet and pose.
+  static constexpr std::size_t kOfObjectMax = 1024, kOfAllMax = 8192;
 
   std::size_t moving_facets_ = 0;  ///< of all objects, each once
   std::vector<Occluder> facets_;   ///< sixteen to a block, the last one of an object filled up
   std::vector<FacetLanes> lanes_;  ///< [block]
+  std::vector<Box> boxes_;         ///< [block]
+  std::vector<Box> solids_;        ///< around convex solids, each at every pose
   std::vector<PlacedObject> objects_;
   std::vector<std::vector<std::uint32_t>> in_slot_;  ///< those that are there
   BoxTree tree_;                                     ///< of objects_
 };
+
+/// Where candidates come from.
+struct OccluderSource {
+  const StaticOccluders& at_rest;
+  const MovingOccluders& moving;
+  std::size_t most;  ///< of those at rest to be listed
+  std::uint32_t first_slot = 0, end_slot = 0;
+};
+
+/// Finds what may meet the shaft in some slot. Replaces `found`.
+void collect(const OccluderSource& source, const Shaft& shaft, Candidates& found);
+void collect(const OccluderSource& source, const Shaft& shaft, ShaftContents& found);
+
+/// The same of a shaft within that of `candidates`, which come from the same source but perhaps for another
+/// `most`.
+void sift(const OccluderSource& source, const Candidates& candidates, const Shaft& shaft, Candidates& found);
+void sift(const OccluderSource& source, const Candidates& candidates, const Shaft& shaft,
+          ShaftContents& found);
 
 }  // namespace engine

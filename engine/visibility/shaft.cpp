@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "engine/base/widest.h"
 
@@ -18,12 +19,6 @@ Vec3 middle_of(const ShaftEnd& end) {
   return (1.0f / static_cast<float>(end.count)) * sum;
 }
 
-float farthest(std::span<const Vec3> points, Vec3 direction) {
-  float most = dot(points[0], direction);
-  for (const Vec3 point : points.subspan(1)) most = std::max(most, dot(point, direction));
-  return most;
-}
-
 /// Two unit vectors across `axis` and each other; any two where it has no length.
 std::array<Vec3, 2> across(Vec3 axis) {
   const Vec3 aside = std::abs(axis.x) < std::abs(axis.y) ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
@@ -34,32 +29,88 @@ std::array<Vec3, 2> across(Vec3 axis) {
   return {unit, normalized(cross(axis, unit))};
 }
 
+/// Sixteen planes side by side.
+struct Planes {
+  const float *x, *y, *z, *height;
+};
+struct TiltedPlanes {
+  float *x, *y, *z, *height;
+};
+
+/// Tilts eight planes so that each touches both ends, the first four corners and the others.
+KEYLUME_WIDEST
+void tilt(const std::array<Vec3, 8>& ends, Vec3 axis, float per_square, float off, TiltedPlanes planes) {
+  constexpr std::size_t kCount = 8;
+  std::array<float, kCount> x, y, z, here, there;
+  for (std::size_t k = 0; k < kCount; ++k) {
+    x[k] = planes.x[k], y[k] = planes.y[k], z[k] = planes.z[k];
+    here[k] = there[k] = -std::numeric_limits<float>::infinity();
+  }
+  for (std::size_t c = 0; c < 4; ++c)
+    for (std::size_t k = 0; k < kCount; ++k) {
+      here[k] = std::max(here[k], x[k] * ends[c].x + y[k] * ends[c].y + z[k] * ends[c].z);
+      there[k] = std::max(there[k], x[k] * ends[4 + c].x + y[k] * ends[4 + c].y + z[k] * ends[4 + c].z);
+    }
+  std::array<float, kCount> most;
+  for (std::size_t k = 0; k < kCount; ++k) {
+    const float lean = (there[k] - here[k]) * per_square;
+    x[k] -= lean * axis.x;
+    y[k] -= lean * axis.y;
+    z[k] -= lean * axis.z;
+    most[k] = -std::numeric_limits<float>::infinity();
+  }
+  for (std::size_t c = 0; c < 8; ++c)
+    for (std::size_t k = 0; k < kCount; ++k)
+      most[k] = std::max(most[k], x[k] * ends[c].x + y[k] * ends[c].y + z[k] * ends[c].z);
+  for (std::size_t k = 0; k < kCount; ++k) {
+    planes.x[k] = x[k], planes.y[k] = y[k], planes.z[k] = z[k];
+    planes.height[k] = most[k] + off * std::sqrt(x[k] * x[k] + y[k] * y[k] + z[k] * z[k]);
+  }
+}
+
+/// Is all of the box beyond one of the planes?
+KEYLUME_WIDEST
+bool any_beyond(Planes planes, Vec3 lower, Vec3 upper) {
+  std::uint32_t beyond = 0;
+  for (std::size_t k = 0; k < 16; ++k) {
+    const float nearest = std::min(planes.x[k] * lower.x, planes.x[k] * upper.x) +
+                          std::min(planes.y[k] * lower.y, planes.y[k] * upper.y) +
+                          std::min(planes.z[k] * lower.z, planes.z[k] * upper.z);
+    beyond |= nearest > planes.height[k] ? 1u : 0u;
+  }
+  return beyond != 0;
+}
+
 }  // namespace
 
 Shaft::Shaft(const ShaftEnd& from, const ShaftEnd& to)
-    : middle_(middle_of(from)), slack_m_(kTouching * std::min(from.slack_m, to.slack_m)) {
+    : middle_(middle_of(from)),
+      slack_m_(kTouching * std::min(from.slack_m, to.slack_m)),
+      off_m_(std::max(from.slack_m, to.slack_m)) {
   for (std::uint32_t c = 0; c < 4; ++c) {
     ends_[c] = from.corners[std::min(c, from.count - 1)] - middle_;
     ends_[4 + c] = to.corners[std::min(c, to.count - 1)] - middle_;
   }
-  const std::span<const Vec3> all(ends_), here = all.first(4), there = all.subspan(4);
-  const Vec3 axis = middle_of(to) - middle_;
-  const float squared = dot(axis, axis);
-  const auto [s, t] = across(axis);
-  const float off = std::max(from.slack_m, to.slack_m);
+  height_.fill(std::numeric_limits<float>::infinity());
+  tilt_planes(middle_of(to) - middle_, off_m_);
+  set_plane(kAround, -from.normal, -dot(from.normal, ends_[0]) - kTouching * from.slack_m);
+  set_plane(kAround + 1, -to.normal, -dot(to.normal, ends_[4]) - kTouching * to.slack_m);
+}
+
+/// The eight planes about the axis, which clear both ends by `off`.
+void Shaft::tilt_planes(Vec3 axis, float off) {
   constexpr float kDiagonal = 0.70710678f;
+  const auto [s, t] = across(axis);
   const Vec3 directions[kAround] = {s,  kDiagonal * (s + t),  t,  kDiagonal * (t - s),
                                     -s, kDiagonal * (-s - t), -t, kDiagonal * (s - t)};
   for (std::size_t k = 0; k < kAround; ++k) {
-    Vec3 normal = directions[k];
-    if (squared > 0) {
-      const float wider = farthest(there, normal) - farthest(here, normal);
-      normal = normal - (wider / squared) * axis;
-    }
-    set_plane(k, normal, farthest(all, normal) + off * length(normal));
+    nx_[k] = directions[k].x;
+    ny_[k] = directions[k].y;
+    nz_[k] = directions[k].z;
   }
-  set_plane(kAround, -from.normal, -dot(from.normal, ends_[0]) - kTouching * from.slack_m);
-  set_plane(kAround + 1, -to.normal, -dot(to.normal, ends_[4]) - kTouching * to.slack_m);
+  const float squared = dot(axis, axis);
+  tilt(ends_, axis, squared > 0 ? 1.0f / squared : 0.0f, off,
+       {nx_.data(), ny_.data(), nz_.data(), height_.data()});
 }
 
 void Shaft::set_plane(std::size_t k, Vec3 normal, float height) {
@@ -70,19 +121,18 @@ void Shaft::set_plane(std::size_t k, Vec3 normal, float height) {
 }
 
 bool Shaft::may_meet(const Box& box) const {
-  const Vec3 lower = box.lower - middle_, upper = box.upper - middle_;
-  bool outside = false;
-  for (std::size_t k = 0; k < kPlanes; ++k) {
-    const float nearest = std::min(nx_[k] * lower.x, nx_[k] * upper.x) +
-                          std::min(ny_[k] * lower.y, ny_[k] * upper.y) +
-                          std::min(nz_[k] * lower.z, nz_[k] * upper.z);
-    outside |= nearest > height_[k];
-  }
-  return !outside;
+  return !any_beyond({nx_.data(), ny_.data(), nz_.data(), height_.data()}, box.lower - middle_,
+                     box.upper - middle_);
+}
+
+Box Shaft::box_of_end() const {
+  const Box box = box_of(std::span(ends_).subspan(4));
+  const Vec3 off{off_m_, off_m_, off_m_};
+  return {box.lower + middle_ - off, box.upper + middle_ + off};
 }
 
 KEYLUME_WIDEST
-std::uint32_t Shaft::may_meet(const FacetLanes& facets) const {
+std::uint32_t Shaft::may_meet(const FacetLanes& facets, std::uint32_t& entered) const {
   constexpr std::size_t kLanes = FacetLanes::kCount;
   std::array<std::array<float, kLanes>, 4> x, y, z;
   for (std::size_t c = 0; c < 4; ++c)
@@ -91,19 +141,22 @@ std::uint32_t Shaft::may_meet(const FacetLanes& facets) const {
       y[c][k] = facets.y[c][k] - middle_.y;
       z[c][k] = facets.z[c][k] - middle_.z;
     }
-  std::array<float, kLanes> lowest, highest;  // of the ends over the plane of the facet
-  lowest.fill(std::numeric_limits<float>::infinity());
-  highest.fill(-std::numeric_limits<float>::infinity());
-  for (const Vec3 end : ends_)
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      const float height = facets.nx[k] * (end.x - x[0][k]) + facets.ny[k] * (end.y - y[0][k]) +
-                           facets.nz[k] * (end.z - z[0][k]);
-      lowest[k] = std::min(lowest[k], height);
-      highest[k] = std::max(highest[k], height);
-    }
+  std::array<std::array<float, kLanes>, 2> lowest, highest;  // of either end over the plane of the facet
+  for (std::size_t e = 0; e < 2; ++e) {
+    lowest[e].fill(std::numeric_limits<float>::infinity());
+    highest[e].fill(-std::numeric_limits<float>::infinity());
+    for (std::size_t c = 4 * e; c < 4 * e + 4; ++c)
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        const float height = facets.nx[k] * (ends_[c].x - x[0][k]) + facets.ny[k] * (ends_[c].y - y[0][k]) +
+                             facets.nz[k] * (ends_[c].z - z[0][k]);
+        lowest[e][k] = std::min(lowest[e][k], height);
+        highest[e][k] = std::max(highest[e][k], height);
+      }
+  }
   std::array<std::uint32_t, kLanes> outside;
   for (std::size_t k = 0; k < kLanes; ++k)
-    outside[k] = (lowest[k] >= -slack_m_ ? 1u : 0u) | (highest[k] <= slack_m_ ? 1u : 0u);
+    outside[k] = (std::min(lowest[0][k], lowest[1][k]) >= -slack_m_ ? 1u : 0u) |
+                 (std::max(highest[0][k], highest[1][k]) <= slack_m_ ? 1u : 0u);
   for (std::size_t p = 0; p < kPlanes; ++p)
     for (std::size_t k = 0; k < kLanes; ++k) {
       const auto along = [&](std::size_t c) {
@@ -112,8 +165,11 @@ std::uint32_t Shaft::may_meet(const FacetLanes& facets) const {
       const float nearest = std::min(std::min(along(0), along(1)), std::min(along(2), along(3)));
       outside[k] |= nearest > height_[p] ? 1u : 0u;
     }
-  std::uint32_t inside = 0;
+  std::uint32_t inside = 0, from_front = 0;
   for (std::uint32_t k = 0; k < kLanes; ++k) inside |= (1u - outside[k]) << k;
+  for (std::uint32_t k = 0; k < kLanes; ++k)
+    from_front |= (lowest[0][k] > off_m_) & (highest[1][k] < -off_m_) ? 1u << k : 0u;
+  entered = from_front;
   return inside;
 }
 

@@ -18,11 +18,22 @@ struct Chosen {
   LightChoice choice;
 };
 
+/// A patch where it is in the first frame, in `slots` slots.
+Receiver receiver_of(const World& world, PatchId patch, std::uint32_t slots) {
+  const std::uint32_t number = world.patches.facet_of[patch];
+  const Facet& facet = world.patches.facets[number];
+  const Pose& pose = world.animation.objects[facet.object].spans[0].pose;
+  Receiver receiver = receiver_facet(facet, number, world.patches.is_back(patch), pose, {0, slots});
+  receiver.patch = patch;
+  receiver.set_cell(cell_corners(facet, world.patches.cell_of(patch)));
+  return receiver;
+}
+
 Chosen choose(const World& world, PatchId patch, const std::vector<FrameIndex>& frames = {0, 1, 2, 3}) {
   Chosen chosen;
   chosen.lights = place_window_lights(world.patches, world.animation, world.animation.emission, frames);
-  const auto receivers = place_receiver(world.patches, world.animation, patch, frames);
-  chosen.choice = choose_lights(receivers.at(0), chosen.lights.lights, chosen.lights.brightness);
+  chosen.choice = choose_lights(receiver_of(world, patch, static_cast<std::uint32_t>(frames.size())),
+                                chosen.lights.lights, chosen.lights.brightness);
   return chosen;
 }
 
@@ -76,7 +87,7 @@ TEST(ChooseLights, ProbabilitiesFollowTheUnoccludedLight) {
   const World world = tests::ceiling({.lights = 1000, .materials = 1});
   const Chosen chosen = choose(world, 0);
   ASSERT_GT(chosen.choice.drawn.size(), 900u);
-  const auto receiver = place_receiver(world.patches, world.animation, 0, std::vector<FrameIndex>{0}).at(0);
+  const Receiver receiver = receiver_of(world, 0, 1);
   std::vector<double> factors;
   double sum = 0;
   for (const DrawnLight& drawn : chosen.choice.drawn) {

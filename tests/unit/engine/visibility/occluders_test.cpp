@@ -49,7 +49,7 @@ TEST(Occluders, StopTheRaysThatTheTreesSayAreStopped) {
     const Ray ray = random.next();
     ShaftContents contents;
     at_rest.collect(shaft_along(ray, 0.05f), 1000, contents);
-    moving.collect(shaft_along(ray, 0.05f), true, 0, 11, contents);
+    moving.collect(shaft_along(ray, 0.05f), 0, 11, contents);
     bool rests = false;
     const SlotMask mask = stopped(contents, ray, rests);
     ASSERT_EQ(rests, room.static_rays.occluded(ray)) << k;
@@ -58,7 +58,7 @@ TEST(Occluders, StopTheRaysThatTheTreesSayAreStopped) {
     moving_count += mask.bits[0] != 0 ? 1 : 0;
     for (const std::uint32_t slot : {0u, 7u}) {
       ShaftContents alone;
-      moving.collect(shaft_along(ray, 0.05f), false, slot, slot, alone);
+      moving.collect(shaft_along(ray, 0.05f), slot, slot, alone);
       bool none = false;
       ASSERT_EQ(stopped(alone, ray, none).test(slot), rays.occluded(ray, slot)) << k;
     }
@@ -74,23 +74,53 @@ TEST(Occluders, VeryManyAreNotListed) {
     if (!room.animation.objects[facet.object].is_static(12)) mover = facet.object;
   ASSERT_NE(mover, 0u);
   const Shaft shaft = shaft_along({{-9, 0, 0}, {18, 0, 0}}, 9);
-  // As many copies of every facet of an object: so many that all have them, and that one object has them.
-  for (const int copies : {0, 20, 300}) {
+  // As many copies of every facet of an object: so many that one object has them, or all together.
+  for (const int copies : {0, 100, 300}) {
     Patches many = room.patches;
     for (const Facet& facet : room.patches.facets)
       for (int copy = 0; facet.object == mover && copy < copies; ++copy) many.facets.push_back(facet);
     const MovingOccluders moving(many, room.animation, room.all_frames());
-    ShaftContents from_one_place, following;
-    moving.collect(shaft, true, 0, 11, from_one_place);
-    moving.collect(shaft, false, 3, 3, following);
-    EXPECT_EQ(from_one_place.some_slots_many(), copies > 0);
-    EXPECT_EQ(following.some_slots_many(), copies == 300);
-    EXPECT_FALSE(from_one_place.none_moving());
-    EXPECT_FALSE(following.none_moving());
+    ShaftContents all, one;
+    moving.collect(shaft, 0, 11, all);
+    moving.collect(shaft, 3, 3, one);
+    EXPECT_EQ(all.some_slots_many(), copies == 300);
+    EXPECT_EQ(one.some_slots_many(), copies == 300);
+    EXPECT_EQ(moving.unlisted(shaft, 0, 11).bits, all.many_moving.bits);
+    EXPECT_FALSE(all.none_moving());
+    EXPECT_FALSE(one.none_moving());
   }
   ShaftContents at_rest;
   StaticOccluders(room.patches, room.animation).collect(shaft, 2, at_rest);
   EXPECT_TRUE(at_rest.many_at_rest);
+}
+
+// A ray in a narrow shaft within a wide one is stopped by what is sifted from the list of the wide one.
+TEST(Occluders, SiftedFromAWiderShaftStopTheSameRays) {
+  const World room = moving_room();
+  const StaticOccluders at_rest(room.patches, room.animation);
+  const MovingOccluders moving(room.patches, room.animation, room.all_frames());
+  const MovingRays rays(room.patches, room.animation, room.all_frames());
+  tests::RandomRays random(3, 5);
+  int stopped_count = 0, shorter = 0;
+  for (const std::size_t most : {1000u, 3u}) {
+    const OccluderSource source{at_rest, moving, most, 0, 12};
+    for (int k = 0; k < 2000; ++k) {
+      const Ray ray = random.next();
+      Candidates wide, narrow;
+      collect(source, shaft_along(ray, 0.5f), wide);
+      sift(source, wide, shaft_along(ray, 0.2f), narrow);
+      ShaftContents contents;
+      sift(source, narrow, shaft_along(ray, 0.05f), contents);
+      shorter += contents.moving.size() < wide.moving.facets.size() ? 1 : 0;
+      bool rests = false;
+      const SlotMask mask = stopped(contents, ray, rests);
+      ASSERT_EQ(rests || contents.many_at_rest, room.static_rays.occluded(ray) || contents.many_at_rest) << k;
+      ASSERT_EQ(mask.bits, rays.blocked(ray).bits) << k;
+      stopped_count += mask.bits[0] != 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(stopped_count, 100);
+  EXPECT_GT(shorter, 100);
 }
 
 }  // namespace
