@@ -132,6 +132,10 @@ api::Status Estimator::add_replicate(const Progress& progress) {
   const auto rests = light_at_rest(lit(), all, lines, uncounted, part_of(progress, 0, kRestShare));
   if (!rests) return rests.error();
 
+  const LineOptions fewer{rest_transport_lines(lines.line_count), lines.seed};
+  const auto transport = rest_transport(lit(), fewer, part_of(progress, kRestShare, kRestShare));
+  if (!transport) return transport.error();
+
   const auto frames = every_frame(*animation_);
   const std::uint32_t windows = window_count(), begun_at = trace_.window;
   for (std::uint32_t w = begun_at; w < windows; ++w) {
@@ -140,7 +144,9 @@ api::Status Estimator::add_replicate(const Progress& progress) {
     const auto share = [&](std::uint32_t k) {
       return kRestShare + (1 - kRestShare) * (k - begun_at) / (windows - begun_at);
     };
-    if (const auto s = add_window(window, all, *rests, lines, part_of(progress, share(w), share(w + 1))); !s)
+    if (const auto s =
+            add_window(window, all, *rests, *transport, lines, part_of(progress, share(w), share(w + 1)));
+        !s)
       return s.error();
     finish_window();
     if (files_ && files_->due()) save();
@@ -149,16 +155,16 @@ api::Status Estimator::add_replicate(const Progress& progress) {
 }
 
 api::Status Estimator::add_window(std::span<const FrameIndex> window, std::span<const GroupSource> sources,
-                                  std::span<const RestLight> rests, const LineOptions& lines,
-                                  const Progress& progress) {
+                                  std::span<const RestLight> rests, const RestTransport& transport,
+                                  const LineOptions& lines, const Progress& progress) {
   const LitScene scene = lit();
   const auto slots = static_cast<std::uint32_t>(window.size());
   const auto traced = trace_lines(scene.patches, *animation_, *static_rays_, window, lines, progress);
   if (!traced) return traced.error();
   PatchSeries irradiance(scene.patches.count(), slots);
   for (std::uint32_t g = 0; g < sources.size(); ++g) {
-    auto light = solve_difference({scene, window, *traced, rests[g], sources[g]}, Columns::every(slots),
-                                  Progress{[](double) {}, progress.stop_requested});
+    auto light = solve_difference({scene, window, *traced, transport, rests[g], sources[g]},
+                                  Columns::every(slots), Progress{[](double) {}, progress.stop_requested});
     if (!light) return light.error();
     for (PatchId patch = 0; patch < scene.patches.count(); ++patch)
       for (std::uint32_t s = 0; s < slots; ++s)

@@ -7,6 +7,7 @@
 
 #include "engine/estimate/estimate_direct.h"
 #include "engine/lighting/light_at_rest.h"
+#include "engine/lighting/rest_transport.h"
 
 namespace engine {
 
@@ -75,8 +76,8 @@ class Estimator {
   std::vector<GroupSource> sources() const;
   api::Status add_replicate(const Progress& progress);
   api::Status add_window(std::span<const FrameIndex> window, std::span<const GroupSource> sources,
-                         std::span<const RestLight> rests, const LineOptions& lines,
-                         const Progress& progress);
+                         std::span<const RestLight> rests, const RestTransport& transport,
+                         const LineOptions& lines, const Progress& progress);
   void take_radiosity(PatchSeries irradiance, std::span<const FrameIndex> window);
   void take_compared(const PatchSeries& part, FrameIndex first_frame, std::uint32_t group);
   float share_of_replicate() const;

@@ -10,24 +10,42 @@
 namespace engine {
 namespace {
 
-/// [object][position in `frames`]: is it there?
+/// [object][position in `frames`]: is it there? Empty where it always is.
 std::vector<std::vector<bool>> presence(const Animation& animation, std::span<const FrameIndex> frames) {
-  std::vector<std::vector<bool>> there(animation.objects.size(), std::vector<bool>(frames.size(), false));
-  for (std::size_t object = 0; object < there.size(); ++object)
+  std::vector<std::vector<bool>> there(animation.objects.size());
+  for (std::size_t object = 0; object < there.size(); ++object) {
+    there[object].assign(frames.size(), false);
     for (const PlacedRange& range : placed_ranges(animation.objects[object], frames))
       std::fill(there[object].begin() + range.first_slot, there[object].begin() + range.last_slot + 1, true);
+    if (std::find(there[object].begin(), there[object].end(), false) == there[object].end())
+      there[object].clear();
+  }
   return there;
 }
 
-/// Replaces every value by make(patch, position, value) where the patch's object is there, by 0 elsewhere.
+/// Calls make(patch, row) for every row, and clears the frames of it in which the patch's object is not
+/// there.
 template <class Make>
-void replace(const LitScene& lit, std::span<const FrameIndex> frames, PatchSeries& series, Make&& make) {
+void replace_rows(const LitScene& lit, std::span<const FrameIndex> frames, PatchSeries& series, Make&& make) {
   const auto there = presence(lit.animation, frames);
   for_each_patch(series.patch_count, {}, [&](PatchId patch) {
-    const auto& present = there[lit.patches.facets[lit.patches.facet_of[patch]].object];
     Rgb* row = series.row(patch);
-    for (std::uint32_t k = 0; k < frames.size(); ++k) row[k] = present[k] ? make(patch, k, row[k]) : Rgb{};
+    make(patch, row);
+    const auto& present = there[lit.patches.facets[lit.patches.facet_of[patch]].object];
+    for (std::uint32_t k = 0; k < present.size(); ++k)
+      if (!present[k]) row[k] = {};
   });
+}
+
+/// Calls use(k, rho) for all frames[k].
+template <class Use>
+void each_reflectance(const LitScene& lit, PatchId patch, std::span<const FrameIndex> frames, Use&& use) {
+  const bool keyed = lit.has_keyed_reflectance(patch);
+  Rgb rho = lit.reflectance(patch, 0);
+  for (std::uint32_t k = 0; k < frames.size(); ++k) {
+    if (keyed) rho = lit.reflectance(patch, frames[k]);
+    use(k, rho);
+  }
 }
 
 /// Of frames[k] in direct light that is known in `frames`, or in every frame of the animation.
@@ -38,6 +56,29 @@ std::uint32_t column_of(const PatchSeries& direct, std::span<const FrameIndex> f
 Rgb square_root(Rgb value) {
   return {std::sqrt(std::max(0.0f, value.r)), std::sqrt(std::max(0.0f, value.g)),
           std::sqrt(std::max(0.0f, value.b))};
+}
+
+void add_direct(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames, PatchId patch,
+                Rgb* row) {
+  for (const LitGroup* group : groups) {
+    const PatchSeries& direct = group->direct.irradiance_w_m2;
+    if (direct.values.empty()) continue;
+    const Rgb* from = direct.row(patch);
+    for (std::uint32_t k = 0; k < frames.size(); ++k)
+      row[k] += in_frame(group->group.scale, frames[k]) * from[column_of(direct, frames, k)];
+  }
+}
+
+/// E + rho H in place of H.
+void make_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
+                    std::span<const FrameIndex> frames, PatchId patch, Rgb* row) {
+  each_reflectance(lit, patch, frames, [&](std::uint32_t k, Rgb rho) { row[k] = rho * row[k]; });
+  for (const LitGroup* group : groups) {
+    if (lit.patches.is_back(patch) || !group->group.emission.ever_emits(lit.material_of(patch))) continue;
+    for (std::uint32_t k = 0; k < frames.size(); ++k)
+      row[k] +=
+          in_frame(group->group.scale, frames[k]) * lit.exitance(group->group.emission, patch, frames[k]);
+  }
 }
 
 }  // namespace
@@ -59,44 +100,37 @@ void add_scaled(const LightGroup& group, const PatchSeries& part, std::span<cons
 
 void add_direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames,
                            PatchSeries& sum) {
-  for (const LitGroup* lit : groups) {
-    const PatchSeries& direct = lit->direct.irradiance_w_m2;
-    if (direct.values.empty()) continue;
-    for_each_patch(sum.patch_count, {}, [&](PatchId patch) {
-      for (std::uint32_t k = 0; k < frames.size(); ++k)
-        sum.at(patch, k) +=
-            in_frame(lit->group.scale, frames[k]) * direct.at(patch, column_of(direct, frames, k));
-    });
-  }
+  for_each_patch(sum.patch_count, {},
+                 [&](PatchId patch) { add_direct(groups, frames, patch, sum.row(patch)); });
 }
 
 void to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
                   std::span<const FrameIndex> frames, PatchSeries& irradiance) {
-  replace(lit, frames, irradiance, [&](PatchId patch, std::uint32_t k, Rgb arriving) {
-    Rgb exitance;
-    for (const LitGroup* group : groups)
-      exitance +=
-          in_frame(group->group.scale, frames[k]) * lit.exitance(group->group.emission, patch, frames[k]);
-    return exitance + lit.reflectance(patch, frames[k]) * arriving;
-  });
+  replace_rows(lit, frames, irradiance,
+               [&](PatchId patch, Rgb* row) { make_radiosity(lit, groups, frames, patch, row); });
 }
 
 void add_direct_to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
                              std::span<const FrameIndex> frames, PatchSeries& indirect) {
-  add_direct_irradiance(groups, frames, indirect);
-  to_radiosity(lit, groups, frames, indirect);
+  replace_rows(lit, frames, indirect, [&](PatchId patch, Rgb* row) {
+    add_direct(groups, frames, patch, row);
+    make_radiosity(lit, groups, frames, patch, row);
+  });
 }
 
 void to_standard_error(const LitScene& lit, std::span<const LitGroup* const> groups,
                        std::span<const FrameIndex> frames, PatchSeries& variance) {
-  replace(lit, frames, variance, [&](PatchId patch, std::uint32_t k, Rgb sum) {
+  replace_rows(lit, frames, variance, [&](PatchId patch, Rgb* row) {
     for (const LitGroup* group : groups) {
-      const PatchSeries& variance_of = group->direct.variance;
-      if (variance_of.values.empty()) continue;
-      const Rgb scale = in_frame(group->group.scale, frames[k]);
-      sum += scale * scale * variance_of.at(patch, column_of(variance_of, frames, k));
+      const PatchSeries& of_group = group->direct.variance;
+      if (of_group.values.empty()) continue;
+      for (std::uint32_t k = 0; k < frames.size(); ++k) {
+        const Rgb scale = in_frame(group->group.scale, frames[k]);
+        row[k] += scale * scale * of_group.at(patch, column_of(of_group, frames, k));
+      }
     }
-    return lit.reflectance(patch, frames[k]) * square_root(sum);
+    each_reflectance(lit, patch, frames,
+                     [&](std::uint32_t k, Rgb rho) { row[k] = rho * square_root(row[k]); });
   });
 }
 

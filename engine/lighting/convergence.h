@@ -21,6 +21,13 @@ inline float largest_change(Rgb before, Rgb after) {
   return std::max({change(before.r, after.r), change(before.g, after.g), change(before.b, after.b)});
 }
 
+/// The same of rows of `count` values.
+inline float largest_change(const Rgb* before, const Rgb* after, std::uint32_t count) {
+  float change = 0;
+  for (std::uint32_t c = 0; c < count; ++c) change = std::max(change, largest_change(before[c], after[c]));
+  return change;
+}
+
 /// What changes are measured by: of what lines carry, over patches and frames.
 struct Scale {
   double mean = 0;         ///< largest channel, area-weighted; 0: all is dark  [W/m^2]
@@ -31,13 +38,19 @@ struct Scale {
 /// Follows the largest changes of the iterations.
 class ConvergenceTest {
  public:
-  /// Takes the largest change of this iteration.
-  void add(double change, const Scale& scale, Convergence& state) {
+  /// Takes the largest change of this iteration, and the largest correction that groups of patches say is
+  /// then due (coarse_exchange.h): changes shrink by what iterations leave of the rest.
+  void add(double change, double correction, const Scale& scale, Convergence& state) {
     const double mean = scale.mean;
-    const double now = last_ > 0 ? std::min(change / last_, 0.9999) : 0.9999;
-    const double ratio = std::max({now, ratios_[0], ratios_[1]});
-    ratios_ = {ratios_[1], now};
-    state.error_left = mean > 0 ? change * ratio / (1 - ratio) / mean : 0;
+    const double rho = std::min(scale.reflectance, kReflectanceMost);
+    double left = change * rho / (1 - rho);  // no row of T sums to more than 1
+    if (last_ > 0) {
+      const double now = std::min(change / last_, kReflectanceMost);
+      const double ratio = std::max({now, ratios_[0], ratios_[1]});
+      if (state.iterations >= 2) left = std::min(left, correction + change * ratio / (1 - ratio));
+      ratios_ = {ratios_[1], now};
+    }
+    state.error_left = mean > 0 ? left / mean : 0;
     state.converged = state.error_left <= kIterationError;
     last_ = change;
     if (change <= 0.5 * halved_from_) {
@@ -76,7 +89,7 @@ class ConvergenceTest {
   double last_ = 0, second_ = 0, halved_from_ = std::numeric_limits<double>::infinity();
   int since_halved_ = 0;
   /// The two before: near the end changes are few units in the last place, and one ratio alone may be far too
-  /// small by rounding.
+  /// small by rounding. Until two are known the bound is that of the reflectance.
   std::array<double, 2> ratios_{0, 0};
 };
 

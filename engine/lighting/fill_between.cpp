@@ -11,16 +11,16 @@ namespace {
 constexpr int kSweeps = 4;
 
 /// T_s s_f + Y_f, [patch][slot]: what no sweep changes.
-PatchSeries carried_in_every_slot(const WindowScene& window, const SampledOperator& sampled,
-                                  const Columns& all, const PatchSeries& at_columns,
-                                  const Interpolator& interpolator) {
+PatchSeries carried_in_every_slot(const WindowScene& window, const Columns& all,
+                                  const PatchSeries& at_columns, const Interpolator& interpolator) {
+  const SampledOperator at_rest(window.transport.lines);
   const PatchSeries source = source_difference(window, all);
   PatchSeries carried(source.patch_count, source.frame_count);
   for_each_patch(carried.patch_count, {}, [&](PatchId patch) {
     std::array<Rgb, kWindowMax> reflected;
     interpolator.apply(at_columns.row(patch), reflected.data());
     Rgb* row = carried.row(patch);
-    sampled.gather_at_rest(source, patch, row);
+    at_rest.gather_at_rest(source, patch, row);
     for (std::uint32_t slot = 0; slot < all.count(); ++slot) row[slot] += reflected[slot];
   });
   return carried;
@@ -39,7 +39,7 @@ api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& 
 
   const Columns all = Columns::every(static_cast<std::uint32_t>(window.frames.size()));
   const SampledOperator sampled(window.lines);
-  const PatchSeries carried = carried_in_every_slot(window, sampled, all, solved.carried_w_m2, interpolator);
+  const PatchSeries carried = carried_in_every_slot(window, all, solved.carried_w_m2, interpolator);
   PatchSeries radiosity(difference.patch_count, difference.frame_count);  // R_s + r: all that lines carry
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     // What no moving object changes is as it was after the first sweep.

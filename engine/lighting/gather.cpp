@@ -67,16 +67,13 @@ void SampledOperator::add_moving(const PatchSeries& b, const Columns& columns, P
   sum.divide_into(lines_.crossings, columns, patch, to);
 }
 
-void SampledOperator::add_moving(std::span<const Rgb> b, const Columns& columns, PatchId patch,
-                                 Rgb* to) const {
+void SampledOperator::add_moving(std::span<const Rgb> rest, const PatchSeries& b, const Columns& columns,
+                                 PatchId patch, Rgb* to) const {
   const auto changes = lines_.moving_rows.row(patch);
   if (changes.empty()) return;
   RowSum sum(columns.count());
-  for (const SlotExchange& change : changes) {
-    const Rgb value = b[change.sender] * static_cast<float>(change.weight);
-    const std::uint32_t end = columns.end_of(change.last_slot);
-    for (std::uint32_t c = columns.begin_of(change.first_slot); c < end; ++c) sum.values[c] += value;
-  }
+  for (const SlotExchange& change : changes)
+    add_exchange(change, columns, rest[change.sender], b.row(change.sender), sum.values.data());
   sum.divide_into(lines_.crossings, columns, patch, to);
 }
 

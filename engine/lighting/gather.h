@@ -33,6 +33,15 @@ class Columns {
   std::vector<std::uint32_t> before_;  ///< [slot]: columns whose slot is less
 };
 
+/// sum[column] += weight * (rest + from[column]) in the columns of the exchange's slots.
+inline void add_exchange(const SlotExchange& exchange, const Columns& columns, Rgb rest, const Rgb* from,
+                         Rgb* sum) {
+  const auto weight = static_cast<float>(exchange.weight);
+  const std::uint32_t end = columns.end_of(exchange.last_slot);
+  for (std::uint32_t c = columns.begin_of(exchange.first_slot); c < end; ++c)
+    sum[c] += weight * (rest + from[c]);
+}
+
 /// T_f = T_s + M_f, sampled by lines and divided by actual crossings:
 ///
 ///     (T_f b)_i = 1 / n_i,f  sum_j n_ij,f b_j                                [W/m^2]
@@ -55,8 +64,9 @@ class SampledOperator {
   /// to[column] += (M_f b)_i, b with those columns.
   void add_moving(const PatchSeries& b, const Columns& columns, PatchId patch, Rgb* to) const;
 
-  /// The same of a `b` that is equal in all frames, [patch].
-  void add_moving(std::span<const Rgb> b, const Columns& columns, PatchId patch, Rgb* to) const;
+  /// The same of rest + b; `rest` is equal in all frames, [patch].
+  void add_moving(std::span<const Rgb> rest, const PatchSeries& b, const Columns& columns, PatchId patch,
+                  Rgb* to) const;
 
  private:
   const TracedLines& lines_;

@@ -7,10 +7,7 @@ std::vector<Rgb> reflectance_at_rest(const LitScene& lit) {
   const FrameIndex frames = lit.animation.frame_count;
   for (PatchId patch = 0; patch < lit.patches.count(); ++patch) {
     if (!lit.at_rest(patch)) continue;
-    const std::uint32_t material = lit.material_of(patch);
-    const bool keyed =
-        material < lit.animation.reflectance.size() && lit.animation.reflectance[material].size() > 1;
-    if (!keyed) {
+    if (!lit.has_keyed_reflectance(patch)) {
       reflectance[patch] = lit.reflectance(patch, 0);
       continue;
     }

@@ -27,6 +27,11 @@ struct LitScene {
   Rgb reflectance(PatchId patch, FrameIndex frame) const {
     return patch_reflectance(scene, animation, patches, patch, frame);
   }
+  /// Does the animation change it?
+  bool has_keyed_reflectance(PatchId patch) const {
+    const std::uint32_t material = material_of(patch);
+    return material < animation.reflectance.size() && animation.reflectance[material].size() > 1;
+  }
   /// Of fronts only  [W/m^2]
   Rgb exitance(const Emission& emission, PatchId patch, FrameIndex frame) const {
     return patches.is_back(patch) ? Rgb{} : emission.exitance(material_of(patch), frame);

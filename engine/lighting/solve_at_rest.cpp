@@ -1,5 +1,6 @@
 #include "engine/lighting/solve_at_rest.h"
 
+#include "engine/lighting/coarse_exchange.h"
 #include "engine/lighting/convergence.h"
 #include "engine/lighting/gather.h"
 
@@ -24,26 +25,37 @@ api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& 
                                      const std::vector<Rgb>& source_w_m2, const std::vector<Rgb>& reflectance,
                                      const Progress& progress) {
   const SampledOperator sampled(lines);
+  const CoarseExchange coarse(patches, lines, reflectance);
   PatchSeries radiosity(patches.count(), 1);
   radiosity.values = source_w_m2;
   RestLight light;
   light.irradiance_w_m2.resize(patches.count());
-  std::vector<float> changes(patches.count());
+  const auto reflected = [&](PatchId patch) {
+    return source_w_m2[patch] + reflectance[patch] * light.irradiance_w_m2[patch];
+  };
   ConvergenceTest test;
-  do {
-    const bool went_on = for_each_patch(patches.count(), progress, [&](PatchId patch) {
-      sampled.gather_at_rest(radiosity, patch, &light.irradiance_w_m2[patch]);
+  for (;;) {
+    PatchSeries residual(coarse.group_count(), 1);
+    std::vector<float> changes(coarse.group_count());
+    const bool went_on = for_each_group(coarse, progress, [&](std::uint32_t group) {
+      for (const PatchId patch : coarse.members(group)) {
+        sampled.gather_at_rest(radiosity, patch, &light.irradiance_w_m2[patch]);
+        const Rgb next = reflected(patch);
+        changes[group] = std::max(changes[group], largest_change(radiosity.values[patch], next));
+        residual.values[group] += coarse.share(patch) * (next - radiosity.values[patch]);
+      }
     });
     if (!went_on) return api::Error{api::Fault::stopped, "stopped while solving the scene at rest"};
-    for_each_patch(patches.count(), {}, [&](PatchId patch) {
-      const Rgb next = source_w_m2[patch] + reflectance[patch] * light.irradiance_w_m2[patch];
-      changes[patch] = largest_change(radiosity.values[patch], next);
-      radiosity.values[patch] = next;
-    });
-    test.add(*std::max_element(changes.begin(), changes.end()),
-             scale_of(patches, radiosity.values, reflectance), light.convergence);
+    const PatchSeries correction = coarse.correction(residual);
+    test.add(changes.empty() ? 0 : *std::max_element(changes.begin(), changes.end()),
+             largest_value(correction), scale_of(patches, radiosity.values, reflectance), light.convergence);
     progress.report(test.fraction(light.convergence));
-  } while (!test.may_end(light.convergence));
+    const bool ends = test.may_end(light.convergence);
+    for (std::uint32_t group = 0; group < coarse.group_count(); ++group)
+      for (const PatchId patch : coarse.members(group))
+        radiosity.values[patch] = reflected(patch) + (ends ? Rgb{} : correction.values[group]);
+    if (ends) break;
+  }
   light.radiosity_w_m2 = std::move(radiosity.values);
   return light;
 }

@@ -1,47 +1,32 @@
 #include "engine/lighting/solve_difference.h"
 
+#include <array>
 #include <numeric>
 
+#include "engine/lighting/carried_rows.h"
+#include "engine/lighting/coarse_exchange.h"
 #include "engine/lighting/convergence.h"
+#include "engine/lighting/moving_light.h"
 
 namespace engine {
 namespace {
 
-/// M_f R_s, [patch][column]: the same in every iteration.
-PatchSeries changes_of_rest(const WindowScene& window, const SampledOperator& sampled,
-                            const Columns& columns) {
-  PatchSeries changes(window.lit.patches.count(), columns.count());
-  for_each_patch(changes.patch_count, {}, [&](PatchId patch) {
-    sampled.add_moving(window.rest.radiosity_w_m2, columns, patch, changes.row(patch));
-  });
-  return changes;
-}
-
-/// r <- source + rho D of one patch; answers the largest change of r.
-float carry_on(const WindowScene& window, const Columns& columns, PatchId patch, const Rgb* source,
-               const Rgb* difference, Rgb* carried) {
-  float change = 0;
-  for (std::uint32_t c = 0; c < columns.count(); ++c) {
-    const Rgb rho = window.lit.reflectance(patch, window.frames[columns.slot(c)]);
-    const Rgb next = source[c] + rho * difference[c];
-    change = std::max(change, largest_change(carried[c], next));
-    carried[c] = next;
-  }
-  return change;
+std::vector<FrameIndex> frames_of(const WindowScene& window, const Columns& columns) {
+  std::vector<FrameIndex> frames;
+  for (const std::uint32_t slot : columns.slots()) frames.push_back(window.frames[slot]);
+  return frames;
 }
 
 /// Of what lines carry, R_s + r.
-Scale scale_of(const WindowScene& window, const Columns& columns, const PatchSeries& r) {
+Scale scale_of(const WindowScene& window, const CarriedRows& rows, const PatchSeries& r) {
   std::vector<double> sums(r.patch_count), largest(r.patch_count), reflectance(r.patch_count);
   for_each_patch(r.patch_count, {}, [&](PatchId patch) {
     for (std::uint32_t c = 0; c < r.frame_count; ++c) {
       const double carried = max_channel(window.rest.radiosity_w_m2[patch] + r.at(patch, c));
       sums[patch] += carried;
       largest[patch] = std::max(largest[patch], carried);
-      const FrameIndex frame = window.frames[columns.slot(c)];
-      reflectance[patch] =
-          std::max(reflectance[patch], double{max_channel(window.lit.reflectance(patch, frame))});
     }
+    reflectance[patch] = double{rows.largest_reflectance(patch)};
     sums[patch] *= window.lit.patches.area_m2[patch];
   });
   double area = 0;
@@ -51,54 +36,125 @@ Scale scale_of(const WindowScene& window, const Columns& columns, const PatchSer
           *std::max_element(reflectance.begin(), reflectance.end())};
 }
 
+/// Iterates r <- s + rho D, D = M (R_s + r) + T_s r.
+class DifferenceSolver {
+ public:
+  DifferenceSolver(const WindowScene& window, const Columns& columns)
+      : window_(window),
+        columns_(columns),
+        at_rest_(window.transport.lines),
+        moving_lines_(window.lines),
+        coarse_(window.transport.coarse),
+        rows_(window.lit, window.source, window.rest, frames_of(window, columns)),
+        moving_(window.lines, columns, window.rest.radiosity_w_m2, rows_),
+        r_(window.lit.patches.count(), columns.count()) {
+    light_.irradiance_w_m2 = PatchSeries(r_.patch_count, columns.count());
+    for_each_patch(r_.patch_count, {}, [&](PatchId patch) { carry_on(patch); });
+    scale_ = scale_of(window, rows_, r_);
+  }
+
+  api::Status iterate(const Progress& progress) {
+    ConvergenceTest test;
+    double change = kFirstChange * scale_.mean;
+    for (;;) {
+      const auto of_moving =
+          moving_.solve(static_cast<float>(kMovingChange * change), light_.irradiance_w_m2, r_);
+      PatchSeries residual(coarse_.group_count(), columns_.count());
+      const auto at_rest = gather(residual, progress);
+      if (!at_rest) return at_rest.error();
+      change = std::max(*at_rest, of_moving);
+      const PatchSeries correction = coarse_.correction(residual);
+      test.add(change, largest_value(correction), scale_, light_.convergence);
+      progress.report(test.fraction(light_.convergence));
+      if (test.may_end(light_.convergence)) return api::Done{};
+      carry_on(correction);
+    }
+  }
+
+  /// Y = T_s (rho D); r is not needed any more.
+  void find_carried() {
+    for_each_patch(r_.patch_count, {}, [&](PatchId patch) {
+      rows_.reflected(patch, light_.irradiance_w_m2.row(patch), r_.row(patch));
+    });
+    light_.carried_w_m2 = PatchSeries(r_.patch_count, columns_.count());
+    for_each_patch(r_.patch_count, {}, [&](PatchId patch) {
+      at_rest_.gather_at_rest(r_, patch, light_.carried_w_m2.row(patch));
+    });
+  }
+
+  DifferenceLight take() { return std::move(light_); }
+
+ private:
+  /// D of all patches, and the residual s + rho D - r, in groups; answers its largest value.
+  api::Result<float> gather(PatchSeries& residual, const Progress& progress) {
+    std::vector<float> changes(coarse_.group_count() + 1);
+    const bool went_on = for_each_group(coarse_, progress, [&](std::uint32_t group) {
+      for (const PatchId patch : coarse_.members(group))
+        changes[group] = std::max(changes[group], gather(patch, residual.row(group)));
+    });
+    if (!went_on) return api::Error{api::Fault::stopped, "stopped while solving"};
+    return *std::max_element(changes.begin(), changes.end());
+  }
+
+  float gather(PatchId patch, Rgb* residual_of_group) {
+    Rgb* arriving = light_.irradiance_w_m2.row(patch);
+    at_rest_.gather_at_rest(r_, patch, arriving);
+    moving_lines_.add_moving(window_.rest.radiosity_w_m2, r_, columns_, patch, arriving);
+    std::array<Rgb, kWindowMax> next;
+    rows_.radiosity_difference(patch, arriving, next.data());
+    const Rgb* now = r_.row(patch);
+    for (std::uint32_t c = 0; c < columns_.count(); ++c)
+      residual_of_group[c] += coarse_.share(patch) * (next[c] - now[c]);
+    return largest_change(now, next.data(), columns_.count());
+  }
+
+  void carry_on(PatchId patch) {
+    rows_.radiosity_difference(patch, light_.irradiance_w_m2.row(patch), r_.row(patch));
+  }
+
+  /// r for the next iteration.
+  void carry_on(const PatchSeries& correction) {
+    (void)for_each_group(coarse_, {}, [&](std::uint32_t group) {
+      const Rgb* of_group = correction.row(group);
+      for (const PatchId patch : coarse_.members(group)) {
+        carry_on(patch);
+        Rgb* r = r_.row(patch);
+        for (std::uint32_t c = 0; c < columns_.count(); ++c) r[c] += of_group[c];
+      }
+    });
+  }
+
+  /// Of the mean: what the first iteration changes, about; and of what iterations change the rest: what is
+  /// left to do between patches that move.
+  static constexpr double kFirstChange = 0.05, kMovingChange = 0.05;
+
+  const WindowScene& window_;
+  const Columns& columns_;
+  const SampledOperator at_rest_, moving_lines_;
+  const CoarseExchange& coarse_;
+  const CarriedRows rows_;
+  MovingLight moving_;
+  PatchSeries r_;
+  Scale scale_;
+  DifferenceLight light_;
+};
+
 }  // namespace
 
 PatchSeries source_difference(const WindowScene& window, const Columns& columns) {
+  const CarriedRows rows(window.lit, window.source, window.rest, frames_of(window, columns));
   PatchSeries r(window.lit.patches.count(), columns.count());
-  for_each_patch(r.patch_count, {}, [&](PatchId patch) {
-    const Rgb arriving = window.rest.irradiance_w_m2[patch], rest = window.rest.radiosity_w_m2[patch];
-    for (std::uint32_t c = 0; c < columns.count(); ++c) {
-      const FrameIndex frame = window.frames[columns.slot(c)];
-      r.at(patch, c) = window.source.in_frame(window.lit, patch, frame) +
-                       window.lit.reflectance(patch, frame) * arriving - rest;
-    }
-  });
+  for_each_patch(r.patch_count, {},
+                 [&](PatchId patch) { rows.radiosity_difference(patch, r.row(patch), r.row(patch)); });
   return r;
 }
 
 api::Result<DifferenceLight> solve_difference(const WindowScene& window, const Columns& columns,
-                                              const Progress& progress) {
-  const std::uint32_t patches = window.lit.patches.count();
-  const SampledOperator sampled(window.lines);
-  const PatchSeries source = source_difference(window, columns);
-  const PatchSeries of_rest = changes_of_rest(window, sampled, columns);
-  const Scale scale = scale_of(window, columns, source);
-
-  DifferenceLight light;
-  light.irradiance_w_m2 = PatchSeries(patches, columns.count());
-  PatchSeries r = source;
-  std::vector<float> changes(patches);
-  ConvergenceTest test;
-  do {
-    const bool went_on = for_each_patch(patches, progress, [&](PatchId patch) {
-      Rgb* arriving = light.irradiance_w_m2.row(patch);
-      sampled.gather_at_rest(r, patch, arriving);
-      for (std::uint32_t c = 0; c < columns.count(); ++c) arriving[c] += of_rest.at(patch, c);
-      sampled.add_moving(r, columns, patch, arriving);
-    });
-    if (!went_on) return api::Error{api::Fault::stopped, "stopped while solving"};
-    for_each_patch(patches, {}, [&](PatchId patch) {
-      changes[patch] =
-          carry_on(window, columns, patch, source.row(patch), light.irradiance_w_m2.row(patch), r.row(patch));
-    });
-    test.add(*std::max_element(changes.begin(), changes.end()), scale, light.convergence);
-    progress.report(test.fraction(light.convergence));
-  } while (!test.may_end(light.convergence));
-  light.carried_w_m2 = PatchSeries(patches, columns.count());
-  for (std::size_t k = 0; k < r.values.size(); ++k) r.values[k] = r.values[k] - source.values[k];
-  for_each_patch(patches, {},
-                 [&](PatchId patch) { sampled.gather_at_rest(r, patch, light.carried_w_m2.row(patch)); });
-  return light;
+                                              const Progress& progress, Carried carried) {
+  DifferenceSolver solver(window, columns);
+  if (const auto s = solver.iterate(progress); !s) return s.error();
+  if (carried == Carried::wanted) solver.find_carried();
+  return solver.take();
 }
 
 }  // namespace engine

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "engine/lighting/gather.h"
+#include "engine/lighting/rest_transport.h"
 #include "engine/lighting/solve_at_rest.h"
 #include "engine/lighting/sources.h"
 
@@ -13,7 +14,8 @@ namespace engine {
 struct WindowScene {
   const LitScene& lit;
   std::span<const FrameIndex> frames;  ///< [slot], increasing
-  const TracedLines& lines;            ///< traced for `frames`
+  const TracedLines& lines;            ///< traced for `frames`: M_f
+  const RestTransport& transport;      ///< T_s
   const RestLight& rest;
   GroupSource source;
 };
@@ -36,11 +38,13 @@ PatchSeries source_difference(const WindowScene& window, const Columns& columns)
 ///
 ///     D_f = M_f (R_s + r_f) + T_s r_f,     r_f = S_f + rho_f (X_s + D_f) - R_s
 ///
-/// with T_f = T_s + M_f of `window.lines` (see SampledOperator). It is X_f = T_f R_f, less X_s = T_s R_s: as
-/// X_s comes from more lines than the rest, the noise of the large, unchanging part of the light is small.
-/// Source: perturbation of the static solution; iterated as solve_at_rest. Error: stopped.
+/// with T_s of `window.transport` and M_f of `window.lines` (see SampledOperator). It is X_f = T_f R_f, less
+/// X_s = T_s R_s: as X_s comes from more lines than the rest, the noise of the large, unchanging part of the
+/// light is small. Source: perturbation of the static solution; iterated as solve_at_rest. Error: stopped.
+/// carried: is Y wanted, or left empty?
+enum class Carried { wanted, left_out };
 api::Result<DifferenceLight> solve_difference(const WindowScene& window, const Columns& columns,
-                                              const Progress& progress);
+                                              const Progress& progress, Carried carried = Carried::wanted);
 
 /// D_f in every slot of the window, from those that were solved (`columns`) and the interpolation of Y_f to
 /// every slot, [patch][slot]:

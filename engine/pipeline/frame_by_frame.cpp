@@ -42,14 +42,14 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
     PatchSeries irradiance(lit.patches.count(), 1);
     irradiance.values = std::move((*rest)[0].irradiance_w_m2);
     arriving.begin();
-    arriving.add(irradiance, 0, 0);
+    arriving.add(std::move(irradiance), 0, 0);
   }
   FrameLight light;
   const auto all = pointers_to(groups);
-  light.radiosity_w_m2 = arriving.mean();
+  if (wants_errors(options)) light.standard_error_w_m2 = arriving.variance();
+  light.radiosity_w_m2 = arriving.take_mean();
   add_direct_to_radiosity(lit, all, frame, light.radiosity_w_m2);
   if (!wants_errors(options)) return light;
-  light.standard_error_w_m2 = arriving.variance();
   to_standard_error(lit, all, frame, light.standard_error_w_m2);
   return light;
 }

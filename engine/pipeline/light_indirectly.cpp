@@ -46,6 +46,11 @@ void blend(const PatchSeries& part, std::uint32_t skip, std::uint32_t first, std
   });
 }
 
+/// Is the group as bright as it is in every frame?
+bool is_one(const std::vector<Rgb>& scale) {
+  return scale.size() == 1 && scale[0] == Rgb{1, 1, 1};
+}
+
 class IndirectSolver {
  public:
   IndirectSolver(const LitScene& lit, const std::vector<LitGroup>& groups,
@@ -138,6 +143,9 @@ class IndirectSolver {
     const auto rests =
         light_at_rest(lit_, sources_, {static_lines_, seed()}, counts, part_of(progress, 0, kRestShare));
     if (!rests) return rests.error();
+    const auto transport = rest_transport(lit_, {rest_transport_lines(moving_lines_), seed()},
+                                          part_of(progress, kRestShare, kRestShare));
+    if (!transport) return transport.error();
     const std::vector<Frames> all = windows();
     mean_->begin();
     missed_->begin();
@@ -151,13 +159,12 @@ class IndirectSolver {
                                {moving_lines_, seed()}, part_of(progress, share(0), share(kTracingShare)));
       if (!lines) return lines.error();
       count(*lines, counts);
-      WindowSolver window(lit_, groups_, sources_, *rests, all[w], std::move(*lines));
+      WindowSolver window(lit_, groups_, sources_, *rests, *transport, all[w], std::move(*lines));
       const KeyFrames part = part_in(chosen_, all[w]);
       const Progress solving = part_of(progress, share(kTracingShare), share(kSolvedShare));
-      if (const auto s = window.solve(part.solved, counts, solving); !s) return s.error();
+      const Carried carried = fills_between(options_) ? Carried::wanted : Carried::left_out;
+      if (const auto s = window.solve(part.solved, carried, counts, solving); !s) return s.error();
       counts.empty_rows += window.empty_rows();
-      auto light = light_of(window, part_of(progress, share(kSolvedShare), share(1)));
-      if (!light) return light.error();
       const std::uint32_t skip = w > 0 && splits(options_) ? 1 : 0;  // what the window before had as well
       if (fills_between(options_)) {
         missed_->add(
@@ -167,8 +174,11 @@ class IndirectSolver {
       } else if (splits(options_)) {
         take_radiosity(window, skip, first);
       }
-      accumulate(*light, skip, first);
-      first += (*light)[0].frame_count - skip;
+      auto light = light_of(window, part_of(progress, share(kSolvedShare), share(1)));
+      if (!light) return light.error();
+      const std::uint32_t columns = (*light)[0].frame_count;
+      accumulate(std::move(*light), skip, first);
+      first += columns - skip;
     }
     if (!radiosity_.empty()) miss_in_all_windows();
     counts_ += counts;
@@ -199,8 +209,8 @@ class IndirectSolver {
     radiosity_.clear();
   }
 
-  /// Indirect irradiance of each name (of all groups where there are none).
-  api::Result<std::vector<PatchSeries>> light_of(const WindowSolver& window, const Progress& progress) const {
+  /// Indirect irradiance of each name (of all groups where there are none), taken from `window`.
+  api::Result<std::vector<PatchSeries>> light_of(WindowSolver& window, const Progress& progress) const {
     std::vector<PatchSeries> light;
     const bool everywhere = fills_between(options_);
     const auto count = static_cast<double>(groups_.size());
@@ -208,8 +218,12 @@ class IndirectSolver {
       const Progress of_this =
           part_of(progress, static_cast<double>(g) / count, static_cast<double>(g + 1) / count);
       auto of_group = everywhere ? window.in_every_frame(g, options_.interpolation, of_this)
-                                 : api::Result<PatchSeries>(window.at_solved(g));
+                                 : api::Result<PatchSeries>(window.take_at_solved(g));
       if (!of_group) return of_group.error();
+      if (groups_.size() == 1 && is_one(groups_[g].group.scale)) {
+        light.push_back(std::move(*of_group));
+        break;
+      }
       const bool begins =
           light.empty() || (!names_.empty() && groups_[g].group.name != groups_[g - 1].group.name);
       if (begins) light.emplace_back(of_group->patch_count, of_group->frame_count);
@@ -220,10 +234,10 @@ class IndirectSolver {
   }
 
   /// Takes the light of one window, columns from `skip` on, into the means, at column `first`.
-  void accumulate(std::vector<PatchSeries>& of_window, std::uint32_t skip, std::uint32_t first) {
+  void accumulate(std::vector<PatchSeries> of_window, std::uint32_t skip, std::uint32_t first) {
     for (std::size_t n = 0; n < names_.size(); ++n) blend(of_window[n], skip, first, done_ + 1, of_name_[n]);
     for (std::size_t n = 1; n < of_window.size(); ++n) add(of_window[n], of_window[0]);
-    mean_->add(of_window[0], skip, first);
+    mean_->add(std::move(of_window[0]), skip, first);
   }
 
   /// Room for the replicates, none of which is done.
@@ -363,7 +377,7 @@ class IndirectSolver {
 
 std::uint32_t replicates_of(const api::LightingOptions& options) {
   const std::uint64_t needed = (options.line_count + kLinesPerReplicateMax - 1) / kLinesPerReplicateMax;
-  return std::max(static_cast<std::uint32_t>(needed), kReplicatesMin);
+  return std::max(static_cast<std::uint32_t>(needed), wants_errors(options) ? kReplicatesMin : 1);
 }
 
 bool fills_between(const api::LightingOptions& options) {

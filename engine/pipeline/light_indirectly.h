@@ -16,8 +16,8 @@
 
 namespace engine {
 
-/// Replicates that a job begins with: kReplicatesMin, and no fewer than its lines need. The same in every
-/// mode and whatever becomes of their scatter, so that all modes share their lines.
+/// Replicates that a job begins with: no fewer than its lines need, and kReplicatesMin where errors are
+/// wanted (wants_errors). The same in every mode, so that all modes share their lines.
 std::uint32_t replicates_of(const api::LightingOptions& options);
 
 /// Replicates at most, where a target error asks for more and more.

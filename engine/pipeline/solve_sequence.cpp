@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <iterator>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include "engine/interpolate/interpolate.h"
@@ -215,13 +216,16 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   for (std::size_t n = 0; n < indirect->names.size(); ++n)
     of_name.push_back({file_of_group(indirect->names[n]),
                        composer.radiosity(&indirect->names[n], std::move(indirect->of_name[n]))});
+  std::optional<PatchSeries> variance;
+  if (indirect->irradiance_w_m2.count() > 1 && wants_errors(options))
+    variance = indirect->irradiance_w_m2.variance();
   // A cubic of a sum is not the sum of the cubics: where groups are asked for, they are what is interpolated.
   solved.radiosity_w_m2 =
-      of_name.empty() ? composer.radiosity(nullptr, indirect->irradiance_w_m2.mean()) : sum_of(of_name);
+      of_name.empty() ? composer.radiosity(nullptr, indirect->irradiance_w_m2.take_mean()) : sum_of(of_name);
   solved.key_frames = report_of(*chosen, options, lit.animation.frame_count);
   observe(*chosen, indirect->observed_error, options, solved.key_frames);
-  if (indirect->irradiance_w_m2.count() > 1 && wants_errors(options)) {
-    PatchSeries error = composer.standard_error(indirect->irradiance_w_m2.variance());
+  if (variance) {
+    PatchSeries error = composer.standard_error(std::move(*variance));
     report_noise(lit, solved, error, options, report);
     if (options.standard_errors) solved.others.push_back({kStandardErrorFile, std::move(error)});
   }

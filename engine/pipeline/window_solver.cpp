@@ -26,11 +26,13 @@ PatchSeries merged(const PatchSeries& a, const std::vector<FrameIndex>& of_a, co
 
 WindowSolver::WindowSolver(const LitScene& lit, std::span<const LitGroup> groups,
                            std::span<const GroupSource> sources, std::span<const RestLight> rests,
-                           std::span<const FrameIndex> frames, TracedLines lines)
+                           const RestTransport& transport, std::span<const FrameIndex> frames,
+                           TracedLines lines)
     : lit_(lit),
       groups_(groups),
       sources_(sources),
       rests_(rests),
+      transport_(transport),
       frames_(frames),
       lines_(std::move(lines)),
       of_group_(groups.size()) {
@@ -41,7 +43,7 @@ WindowSolver::WindowSolver(const LitScene& lit, std::span<const LitGroup> groups
 }
 
 WindowScene WindowSolver::scene_of(std::size_t g) const {
-  return {lit_, frames_, lines_, rests_[g], sources_[g]};
+  return {lit_, frames_, lines_, transport_, rests_[g], sources_[g]};
 }
 
 Columns WindowSolver::columns_of(std::span<const FrameIndex> frames) const {
@@ -52,7 +54,7 @@ Columns WindowSolver::columns_of(std::span<const FrameIndex> frames) const {
   return {std::move(slots), static_cast<std::uint32_t>(frames_.size())};
 }
 
-api::Status WindowSolver::solve(std::span<const FrameIndex> frames, SolveCounts& counts,
+api::Status WindowSolver::solve(std::span<const FrameIndex> frames, Carried carried, SolveCounts& counts,
                                 const Progress& progress) {
   std::vector<FrameIndex> fresh;
   std::set_difference(frames.begin(), frames.end(), solved_.begin(), solved_.end(),
@@ -62,12 +64,18 @@ api::Status WindowSolver::solve(std::span<const FrameIndex> frames, SolveCounts&
     const auto share = [&](std::size_t k) {
       return static_cast<double>(k) / static_cast<double>(groups_.size());
     };
-    auto light = solve_difference(scene_of(g), columns_of(fresh), part_of(progress, share(g), share(g + 1)));
+    auto light =
+        solve_difference(scene_of(g), columns_of(fresh), part_of(progress, share(g), share(g + 1)), carried);
     if (!light) return light.error();
     counts.add(light->convergence);
     DifferenceLight& known = of_group_[g];
+    if (solved_.empty()) {
+      known = std::move(*light);
+      continue;
+    }
     known.irradiance_w_m2 = merged(known.irradiance_w_m2, solved_, light->irradiance_w_m2, fresh);
-    known.carried_w_m2 = merged(known.carried_w_m2, solved_, light->carried_w_m2, fresh);
+    if (carried == Carried::wanted)
+      known.carried_w_m2 = merged(known.carried_w_m2, solved_, light->carried_w_m2, fresh);
   }
   std::vector<FrameIndex> all;
   std::merge(solved_.begin(), solved_.end(), fresh.begin(), fresh.end(), std::back_inserter(all));
@@ -92,6 +100,11 @@ PatchSeries WindowSolver::at_solved(std::size_t g) const {
   PatchSeries irradiance = of_group_[g].irradiance_w_m2;
   add_rest(g, irradiance);
   return irradiance;
+}
+
+PatchSeries WindowSolver::take_at_solved(std::size_t g) {
+  add_rest(g, of_group_[g].irradiance_w_m2);
+  return std::move(of_group_[g].irradiance_w_m2);
 }
 
 api::Result<PatchSeries> WindowSolver::in_every_frame(std::size_t g, api::Interpolation interpolation,

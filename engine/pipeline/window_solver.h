@@ -15,10 +15,13 @@ class WindowSolver {
  public:
   /// rests, sources: of each of `groups`. Everything outlives it but `lines`, which it keeps.
   WindowSolver(const LitScene& lit, std::span<const LitGroup> groups, std::span<const GroupSource> sources,
-               std::span<const RestLight> rests, std::span<const FrameIndex> frames, TracedLines lines);
+               std::span<const RestLight> rests, const RestTransport& transport,
+               std::span<const FrameIndex> frames, TracedLines lines);
 
   /// Solves those of `frames` (increasing, all of the window) that are not solved yet. Error: stopped.
-  api::Status solve(std::span<const FrameIndex> frames, SolveCounts& counts, const Progress& progress);
+  /// carried: is Y wanted of them? Always the same.
+  api::Status solve(std::span<const FrameIndex> frames, Carried carried, SolveCounts& counts,
+                    const Progress& progress);
 
   std::span<const FrameIndex> frames() const { return frames_; }
   const std::vector<FrameIndex>& solved() const { return solved_; }
@@ -27,6 +30,8 @@ class WindowSolver {
 
   /// Indirect irradiance X = X_s + D of group `g`, [patch][position in solved()].
   PatchSeries at_solved(std::size_t g) const;
+  /// The same, and it is not kept.
+  PatchSeries take_at_solved(std::size_t g);
   /// The same, [patch][slot of the window], the frames between filled. Error: stopped.
   api::Result<PatchSeries> in_every_frame(std::size_t g, api::Interpolation interpolation,
                                           const Progress& progress) const;
@@ -48,6 +53,7 @@ class WindowSolver {
   std::span<const LitGroup> groups_;
   std::span<const GroupSource> sources_;
   std::span<const RestLight> rests_;
+  const RestTransport& transport_;
   std::span<const FrameIndex> frames_;
   TracedLines lines_;
   std::vector<FrameIndex> solved_;

@@ -8,13 +8,14 @@
 namespace engine {
 namespace {
 
-/// Iterations until the test says that it may end, with changes change(iteration).
+/// Iterations until the test says that it may end, with changes change(iteration)
+/// and always the same correction due.
 template <class Change>
-Convergence run(const Scale& scale, Change&& change) {
+Convergence run(const Scale& scale, Change&& change, double correction = 0) {
   ConvergenceTest test;
   Convergence state;
   do {
-    test.add(change(state.iterations), scale, state);
+    test.add(change(state.iterations), correction, scale, state);
   } while (!test.may_end(state));
   return state;
 }
@@ -24,6 +25,13 @@ TEST(ConvergenceTest, EndsWhereWhatIsLeftIsSmallBesideTheMean) {
   EXPECT_TRUE(state.converged);
   EXPECT_LE(state.error_left, kIterationError);
   EXPECT_NEAR(state.iterations, std::log2(1 / kIterationError), 2);
+}
+
+TEST(ConvergenceTest, GoesOnWhileCorrectionsAreDue) {
+  const auto halves = [](std::uint32_t k) { return std::pow(0.5, k); };
+  const std::uint32_t without = run({1, 1, 0.9}, halves).iterations;
+  EXPECT_LE(run({1, 1, 0.9}, halves, 0.1 * kIterationError).iterations, without + 1);
+  EXPECT_GT(run({1, 1, 0.9}, halves, 2 * kIterationError).iterations, without);
 }
 
 // One patch beside a lamp is 100 times as bright as the mean: its last place is 1e-5 of that.

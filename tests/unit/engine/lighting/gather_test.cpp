@@ -128,20 +128,21 @@ TEST(SampledOperator, ColumnsOfSomeSlotsAreThoseOfAll) {
   }
 }
 
-TEST(SampledOperator, WhatIsEqualInAllFramesIsGatheredFromOneColumn) {
+TEST(SampledOperator, WhatIsEqualInAllFramesIsAddedFromOneColumn) {
   const MovingRoom room(kFrames);
   const TracedLines lines = tests::trace(room, room.all_frames(), {5'000, 1});
-  const PatchSeries one = random_series(room.patches.count(), 1);
-  PatchSeries all(room.patches.count(), kFrames);
-  for (PatchId patch = 0; patch < all.patch_count; ++patch)
-    std::fill_n(all.row(patch), kFrames, one.at(patch, 0));
+  const PatchSeries rest = random_series(room.patches.count(), 1);
+  const PatchSeries beyond = random_series(room.patches.count(), kFrames);
+  PatchSeries both = beyond;
+  for (PatchId patch = 0; patch < both.patch_count; ++patch)
+    for (std::uint32_t c = 0; c < kFrames; ++c) both.at(patch, c) += rest.at(patch, 0);
   const SampledOperator sampled(lines);
   const Columns columns = Columns::every(kFrames);
-  for (PatchId patch = 0; patch < all.patch_count; ++patch) {
-    std::vector<Rgb> from_all(kFrames), from_one(kFrames);
-    sampled.add_moving(all, columns, patch, from_all.data());
-    sampled.add_moving(one.values, columns, patch, from_one.data());
-    for (FrameIndex f = 0; f < kFrames; ++f) ASSERT_NEAR(from_all[f].r, from_one[f].r, 1e-5);
+  for (PatchId patch = 0; patch < both.patch_count; ++patch) {
+    std::vector<Rgb> from_both(kFrames), from_parts(kFrames);
+    sampled.add_moving(both, columns, patch, from_both.data());
+    sampled.add_moving(rest.values, beyond, columns, patch, from_parts.data());
+    for (FrameIndex f = 0; f < kFrames; ++f) ASSERT_NEAR(from_both[f].r, from_parts[f].r, 1e-5);
   }
 }
 

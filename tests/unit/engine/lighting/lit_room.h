@@ -52,10 +52,15 @@ struct SolvedRoom {
   engine::TracedLines lines;
   engine::SolveCounts counts;
   engine::RestLight rest;
+  engine::RestTransport transport;
 
   SolvedRoom(const World& room, engine::GroupSource from, const engine::LineOptions& rest_lines,
              const engine::LineOptions& window_lines)
-      : world(room), source(from), frames(room.all_frames()), lines(trace(room, frames, window_lines)) {
+      : world(room),
+        source(from),
+        frames(room.all_frames()),
+        lines(trace(room, frames, window_lines)),
+        transport(room.lit(), lines) {
     auto lights = engine::light_at_rest(room.lit(), std::span(&source, 1), rest_lines, counts, {});
     EXPECT_TRUE(lights);
     rest = std::move((*lights)[0]);
@@ -63,7 +68,7 @@ struct SolvedRoom {
   SolvedRoom(const SolvedRoom&) = delete;
 
   engine::LitScene lit = world.lit();
-  engine::WindowScene window() const { return {lit, frames, lines, rest, source}; }
+  engine::WindowScene window() const { return {lit, frames, lines, transport, rest, source}; }
   engine::DifferenceLight solve(const engine::Columns& columns) const {
     auto light = engine::solve_difference(window(), columns, {});
     EXPECT_TRUE(light);

@@ -33,7 +33,6 @@ TEST(SolveAtRest, TheFurnaceGlowsAtExitanceOverOneMinusReflectance) {
   const RestLight light = solve(room, {1, 2, 4}, {0.5f, 0.2f, 0});
   EXPECT_TRUE(light.convergence.converged);
   EXPECT_LE(light.convergence.error_left, kIterationError);
-  EXPECT_GT(light.convergence.iterations, 10u);
   for (PatchId patch = 0; patch < room.patches.count(); ++patch) {
     if (moves(room, patch)) continue;
     const Rgb b = light.radiosity_w_m2[patch];
@@ -73,23 +72,22 @@ TEST(SolveAtRest, IsTheSolutionOfItsEquations) {
   }
 }
 
-TEST(SolveAtRest, StrongReflectionTakesMoreIterationsAndConverges) {
+// Iterating alone it would take 130 and 27,000 of them.
+TEST(SolveAtRest, StrongReflectionTakesFewIterationsTo) {
   const MovingRoom room(2);
   const RestLight light = solve(room, {1, 1, 1}, {0.9f, 0.9f, 0.9f});
-  EXPECT_GT(light.convergence.iterations, 60u);
+  EXPECT_LE(light.convergence.iterations, 20u);
   EXPECT_TRUE(light.convergence.converged);
   // kIterationError, and the rounding of sums, 3 x 6e-8, that bounces add up to ten times of.
   EXPECT_NEAR(light.radiosity_w_m2[0].r, 10, 10 * (1e-5 + 2e-6));
 }
 
-// rho = .9995: 20,000 iterations would be needed. The answer is too dark, and it says so.
-TEST(SolveAtRest, LightThatHardlyDiesIsNotCalledConverged) {
+TEST(SolveAtRest, LightThatHardlyDiesIsFoundAsWell) {
   const MovingRoom room(2, 1.0);
   const RestLight light = solve(room, {1, 1, 1}, {0.9995f, 0.5f, 0});
-  EXPECT_FALSE(light.convergence.converged);
-  EXPECT_EQ(light.convergence.iterations, kIterationsMax);
-  EXPECT_GT(light.convergence.error_left, kIterationError);
-  EXPECT_LT(light.radiosity_w_m2[0].r, 0.9 * 2000);
+  EXPECT_TRUE(light.convergence.converged);
+  EXPECT_LE(light.convergence.iterations, 100u);
+  EXPECT_NEAR(light.radiosity_w_m2[0].r, 2000, 2000 * 1e-3);  // rounding of rho alone is 6e-8 / 5e-4
 }
 
 TEST(SolveAtRest, WithoutLightNothingArrivesAndItIsSoonKnown) {

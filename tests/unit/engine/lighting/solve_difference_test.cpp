@@ -151,7 +151,8 @@ TEST(SolveDifference, OfAStaticSceneIsExactlyZero) {
   const auto frames = room.all_frames();
   const auto lines = trace_lines(room.patches, room.animation, rays, frames, {1'000, 1}, Progress{});
   const auto light =
-      solve_difference({lit, frames, *lines, (*rest)[0], source[0]}, Columns::every(4), Progress{});
+      solve_difference({lit, frames, *lines, RestTransport(lit, *lines), (*rest)[0], source[0]},
+                       Columns::every(4), Progress{});
   ASSERT_TRUE(light);
   for (const Rgb value : light->irradiance_w_m2.values) ASSERT_EQ(value, Rgb{});
   for (const Rgb value : light->carried_w_m2.values) ASSERT_EQ(value, Rgb{});

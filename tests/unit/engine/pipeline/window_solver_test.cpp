@@ -21,6 +21,7 @@ struct OneWindow {
   std::vector<LitGroup> groups{{{"", room.animation.emission, {Rgb{1, 1, 1}}}, {}}};
   std::vector<GroupSource> sources;
   std::vector<RestLight> rests;
+  RestTransport transport{lit, tests::trace(room, {}, {5'000, 1})};
 
   OneWindow() {
     groups[0].direct = *direct_light(room.patches, room.animation, room.animation.emission, room.static_rays,
@@ -30,7 +31,7 @@ struct OneWindow {
     rests = *light_at_rest(lit, sources, {10'000, 1}, counts, {});
   }
   WindowSolver window(const LineOptions& lines = {5'000, 1}) const {
-    return {lit, groups, sources, rests, frames, tests::trace(room, frames, lines)};
+    return {lit, groups, sources, rests, transport, frames, tests::trace(room, frames, lines)};
   }
 };
 
@@ -39,11 +40,11 @@ TEST(WindowSolver, SolvesInStepsWhatItSolvesAtOnce) {
   SolveCounts counts;
   WindowSolver at_once = room.window(), in_steps = room.window();
   const std::vector<FrameIndex> some{0, 4, 9}, all{0, 2, 3, 4, 9}, fresh{2, 3};
-  ASSERT_TRUE(at_once.solve(all, counts, {}));
-  ASSERT_TRUE(in_steps.solve(some, counts, {}));
+  ASSERT_TRUE(at_once.solve(all, Carried::wanted, counts, {}));
+  ASSERT_TRUE(in_steps.solve(some, Carried::wanted, counts, {}));
   EXPECT_EQ(in_steps.solved(), some);
-  ASSERT_TRUE(in_steps.solve(fresh, counts, {}));
-  ASSERT_TRUE(in_steps.solve(all, counts, {}));  // nothing is left to do
+  ASSERT_TRUE(in_steps.solve(fresh, Carried::wanted, counts, {}));
+  ASSERT_TRUE(in_steps.solve(all, Carried::wanted, counts, {}));  // nothing is left to do
   EXPECT_EQ(in_steps.solved(), all);
   EXPECT_TRUE(counts.converged);
   const PatchSeries a = at_once.at_solved(0), b = in_steps.at_solved(0);
@@ -59,7 +60,7 @@ TEST(WindowSolver, InEveryFrameTheSolvedOnesAreAsTheyWereSolved) {
   SolveCounts counts;
   WindowSolver window = room.window();
   const std::vector<FrameIndex> some{0, 4, 9};
-  ASSERT_TRUE(window.solve(some, counts, {}));
+  ASSERT_TRUE(window.solve(some, Carried::wanted, counts, {}));
   const PatchSeries solved = window.at_solved(0);
   const auto all = window.in_every_frame(0, api::Interpolation::linear, {});
   ASSERT_TRUE(all);
@@ -73,7 +74,7 @@ TEST(WindowSolver, RadiosityIsWhatIsEmittedAndReflectedOfAllLight) {
   SolveCounts counts;
   WindowSolver window = room.window();
   const std::vector<FrameIndex> some{1, 3, 7};
-  ASSERT_TRUE(window.solve(some, counts, {}));
+  ASSERT_TRUE(window.solve(some, Carried::wanted, counts, {}));
   const PatchSeries indirect = window.at_solved(0), radiosity = window.radiosity_at_solved();
   int there = 0;
   for (PatchId patch = 0; patch < radiosity.patch_count; ++patch)

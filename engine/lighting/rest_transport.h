@@ -1,0 +1,35 @@
+// T_s as what differs from the scene at rest needs it.
+#pragma once
+
+#include "engine/lighting/coarse_exchange.h"
+#include "engine/lighting/lit_scene.h"
+
+namespace engine {
+
+/// Transport between patches at rest, without what moves, for all windows and groups of a replicate.
+///
+/// Why lines of its own: the light that it carries is what moving objects change, a few percent of all light
+/// in most places, so that few lines do, and every one of them costs a row of all frames in each iteration.
+struct RestTransport {
+  TracedLines lines;  ///< traced without frames
+  CoarseExchange coarse;
+
+  RestTransport(const LitScene& lit, TracedLines traced)
+      : lines(std::move(traced)), coarse(lit.patches, lines, reflectance_at_rest(lit)) {}
+};
+
+/// Lines of T_s for so many lines that see what moves: with half of them the noise of T_s was a tenth of what
+/// moving objects make.
+inline std::uint64_t rest_transport_lines(std::uint64_t moving_lines) {
+  return (moving_lines + 1) / 2;
+}
+
+/// Traces and sums up. Error: stopped.
+inline api::Result<RestTransport> rest_transport(const LitScene& lit, const LineOptions& options,
+                                                 const Progress& progress) {
+  auto lines = trace_lines(lit.patches, lit.animation, lit.static_rays, {}, options, progress);
+  if (!lines) return lines.error();
+  return RestTransport(lit, std::move(*lines));
+}
+
+}  // namespace engine
