@@ -23,8 +23,8 @@ api::Status bench_limit(const BenchOptions& options, const std::filesystem::path
   bench.sheet = {.name = "limit",
                  .title = "Keylume at its limit",
                  .words = text_of("The garage, 120 frames, RGB, without standard errors where not said "
-                                  "otherwise; every job a process of its own. What is compared by time runs "
-                                  "in turn, medians of %d, smallest and largest in brackets.",
+                                  "otherwise; every job a process of its own. What is compared by time "
+                                  "runs in turn, medians of %d, smallest and largest in brackets.",
                                   bench.repetitions()),
                  .machine = this_machine(),
                  .seed = options.seed,

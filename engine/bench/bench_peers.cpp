@@ -132,9 +132,9 @@ api::Status bench_peers(const BenchOptions& options, const std::filesystem::path
       .name = "peers",
       .title = "Keylume beside Blender Cycles",
       .words =
-          "The garage, 120 frames. RMSE of both, per patch and area-weighted over what does not emit: "
-          "the difference of two seeds in that frame, over the square root of two and the mean. What is "
-          "wrong in every seed alike is not seen by it.",
+          "The garage, 120 frames. RMSE of both, per patch and area-weighted over what does not emit: the "
+          "difference of two seeds in that frame, over the square root of two and the mean. What is wrong "
+          "in every seed alike is not seen by it.",
       .machine = this_machine(),
       .seed = options.seed,
       .quick = options.quick};

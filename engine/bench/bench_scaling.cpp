@@ -159,18 +159,18 @@ api::Status add_curve(ScalingBench& bench, const ScalingCurve& curve) {
 api::Status bench_scaling(const BenchOptions& options, const std::filesystem::path& program) {
   ScalingBench bench{options, runner_of(options, program), {}};
   bench.runner.examples = std::filesystem::absolute(options.out_folder) / "scenes";
-  bench.sheet = {
-      .name = "scaling",
-      .title = "Keylume over the size of its jobs",
-      .words =
-          text_of("The garage with more or fewer of one thing at a time, all frames solved, RGB, without "
-                  "standard errors and images; each job a process of its own. Points that take less than "
-                  "%.0f s are medians of %d, run in turn, smallest and largest in brackets. Lamps keep their "
-                  "area together, whatever their number. Jobs beyond the limits are refused, and said so.",
-                  kRepeatedSecondsMax, options.quick ? 1 : options.repetitions),
-      .machine = this_machine(),
-      .seed = options.seed,
-      .quick = options.quick};
+  bench.sheet = {.name = "scaling",
+                 .title = "Keylume over the size of its jobs",
+                 .words = text_of(
+                     "The garage with more or fewer of one thing at a time, all frames solved, RGB, without "
+                     "standard errors and images; each job a process of its own. Points that take less than "
+                     "%.0f s are medians of %d, run in turn, smallest and largest in brackets. Lamps keep "
+                     "their area together, whatever their number. Jobs beyond the limits are refused, and "
+                     "said so.",
+                     kRepeatedSecondsMax, options.quick ? 1 : options.repetitions),
+                 .machine = this_machine(),
+                 .seed = options.seed,
+                 .quick = options.quick};
   for (const ScalingCurve& curve : scaling_plan(options)) {
     if (!options.part.empty() && options.part != curve.name) continue;
     if (const auto s = add_curve(bench, curve); !s) return s;

@@ -1,9 +1,8 @@
 // Kernels by themselves: lines against raw Embree, three channels against one.
-#include <chrono>
-
 #include "engine/bench/bench_scene.h"
 #include "engine/bench/limit_bench.h"
 #include "engine/bench/limit_plan.h"
+#include "engine/bench/processor_time.h"
 #include "engine/lighting/gather.h"
 #include "engine/lines/line_speed.h"
 
@@ -29,21 +28,13 @@ void add_rates(const std::string& scene, const LineRates& rates, BenchTable& tab
                         number(rates.traced / rates.raw_fast, "%.2f")});
 }
 
-/// Seconds that `work` takes.
-template <class Work>
-double timed(Work&& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-/// Seconds of gathering every patch's row, on one thread, of rows of `columns` Rgb.
+/// Processor seconds of gathering every patch's row, on one thread, of rows of `columns` Rgb.
 double gather_seconds(const SampledOperator& gather, std::uint32_t patches, std::uint32_t columns) {
   PatchSeries rows(patches, columns);
   for (std::size_t k = 0; k < rows.values.size(); ++k)
     rows.values[k] = static_cast<float>(k % 7) * Rgb{1, 1, 1};
   std::vector<Rgb> to(columns);
-  return timed([&] {
+  return processor_seconds_of([&] {
     for (PatchId patch = 0; patch < patches; ++patch) gather.gather_at_rest(rows, patch, to.data());
   });
 }
@@ -56,8 +47,8 @@ api::Status measure_lines(LimitBench& bench) {
       "Lines",
       "All hits of all frames along global lines, and who exchanges light along them (kept: gathered into "
       "rows), in million lines per second; against rtcIntersect1 and nothing else on the same lines made "
-      "beforehand, one nearest hit in the static scene and one among the moving polygons at all their poses, "
-      "with the same robust trees and with fast ones, which lose hits. In turn, medians of 5.",
+      "beforehand, one nearest hit in the static scene and one among the moving polygons at all their "
+      "poses, with the same robust trees and with fast ones, which lose hits. In turn, medians of 5.",
       {{"scene", "scene"},
        {"threads", "threads"},
        {"raw_mlines_per_s", "raw Embree"},
@@ -109,11 +100,9 @@ api::Status measure_channels(LimitBench& bench) {
       "channels",
       "Three channels beside one",
       "There is no engine of one channel to run. What depends on the number of channels is the gather and "
-      "the "
-      "sums after it; lines and shadow rays are the same. Here the gather of the scene at rest runs over "
-      "rows "
-      "of 120 floats, as one channel of 120 frames would have, and of 360, one thread, in turn. The whole "
-      "solve lies between 1 and this.",
+      "the sums after it; lines and shadow rays are the same. Here the gather of the scene at rest runs "
+      "over rows of 120 floats, as one channel of 120 frames would have, and of 360, one thread, processor "
+      "time, in turn. The whole solve lies between 1 and this.",
       {{"lines", "lines"}, {"one_ms", "120 floats"}, {"three_ms", "360 floats"}, {"ratio", "ratio"}},
       {{number(static_cast<double>(options.line_count), "%.0f"), measured(one, "%.1f", "ms"),
         measured(three, "%.1f", "ms"), number(ratio, "%.2f")}}};

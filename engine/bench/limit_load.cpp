@@ -21,8 +21,9 @@ api::Status measure_load(LimitBench& bench) {
   BenchTable table{
       "load",
       "A large OBJ",
-      "Generated hills, read and cut into a patch per triangle by one thread. Memory: the largest resident "
-      "set beyond that before, over what the arrays of scene and patches hold in the end.",
+      "Generated hills, read and cut into a patch per triangle by one thread, in its processor time. "
+      "Memory: the largest resident set beyond that before, over what the arrays of scene and patches hold "
+      "in the end.",
       {{"triangles", "triangles"},
        {"obj_mb", "OBJ"},
        {"parsed_mb_per_s", "read"},

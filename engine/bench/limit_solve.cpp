@@ -51,7 +51,8 @@ void add_ladder(LimitBench& bench, const Ladder& ladder) {
                    "Settings",
                    "Samples per light / lines / lines that see what moves. Time: direct light, solution, "
                    "interpolation; processor time: of the whole process, all threads. RMSE over all frames "
-                   "and patches that do not emit, those at rest and those that move, over the mean B of all.",
+                   "and patches that do not emit, those at rest and those that move, over the mean B of "
+                   "all.",
                    {{"setting", "setting"},
                     {"seconds", "time"},
                     {"cpu_s", "processor time"},

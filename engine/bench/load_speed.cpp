@@ -3,13 +3,13 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <string>
 
 #include "api/job_request.h"
 #include "engine/base/parallel.h"
 #include "engine/bench/bench_files.h"
+#include "engine/bench/processor_time.h"
 #include "engine/patches/patches.h"
 #include "engine/scene/scene.h"
 
@@ -43,12 +43,6 @@ std::uint64_t array_bytes(const Scene& scene, const Patches& patches) {
          bytes_of(patches.facets) + bytes_of(patches.facet_of) + bytes_of(patches.area_m2);
 }
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
 /// No edge is cut: one patch per polygon.
 constexpr double kUncut = 1e4;
 
@@ -56,14 +50,14 @@ api::Status load_once(const std::filesystem::path& input_folder, const api::JobR
                       LoadSpeed& speed) {
   if (!forget_peak()) return api::Error{api::Fault::internal, "the kernel does not forget a peak of memory"};
   const std::uint64_t before = status_bytes("VmRSS");
-  auto begin = Clock::now();
+  double begin = processor_seconds();
   const auto scene = load_scene(input_folder, request.scene);
   if (!scene) return scene.error();
-  speed.load_s.push_back(seconds_since(begin));
-  begin = Clock::now();
+  speed.load_s.push_back(processor_seconds() - begin);
+  begin = processor_seconds();
   const auto patches = mesh_into_patches(*scene, kUncut);
   if (!patches) return patches.error();
-  speed.patches_s.push_back(seconds_since(begin));
+  speed.patches_s.push_back(processor_seconds() - begin);
   const std::uint64_t peak = status_bytes("VmHWM");
   if (peak <= before) return api::Error{api::Fault::internal, "the kernel does not tell the peak of memory"};
   speed.peak_bytes = std::max(speed.peak_bytes, peak - before);

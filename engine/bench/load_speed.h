@@ -10,8 +10,8 @@ namespace engine {
 
 struct LoadSpeed {
   std::uint64_t obj_bytes = 0, polygons = 0, patches = 0;
-  std::vector<double> load_s;     ///< OBJ and MTL -> Scene, one thread  [s]
-  std::vector<double> patches_s;  ///< Scene -> Patches, one thread  [s]
+  std::vector<double> load_s;     ///< OBJ and MTL -> Scene, one thread, processor time  [s]
+  std::vector<double> patches_s;  ///< the same of Scene -> Patches  [s]
   std::uint64_t array_bytes = 0;  ///< what Scene and Patches hold in the end
   std::uint64_t peak_bytes = 0;   ///< largest resident set meanwhile beyond that before
 };
