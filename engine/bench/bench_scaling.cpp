@@ -134,7 +134,7 @@ void add_memory_bar(ScalingBench& bench, const ScalingCurve& curve, const PointR
   const double bytes = last ? static_cast<double>(last->peak_memory_bytes) : 0;
   bench.sheet.bars.push_back({what, "<= 1.5 GB (2,000 frames of 50,000 patches)",
                               last ? text_of("%.2f GB", bytes / 1e9) : last.error().message,
-                              last && bytes <= kMost});
+                              last ? std::optional(bytes <= kMost) : std::nullopt});
 }
 
 void add_thread_bar(ScalingBench& bench, const PointRuns& runs) {
