@@ -103,7 +103,7 @@ class Contest {
   const std::uint64_t line_count_;
   const LineBox box_;
   const StaticRays static_rays_;
-  const LineScene& at_rest_;
+  const LineScene at_rest_;
   const LineScene moving_;
   const RawRays robust_, fast_;
   std::vector<Ray> lines_;

@@ -49,7 +49,7 @@ CrossingCounts empty_counts(const Patches& patches, const Animation& animation,
 api::Result<TracedLines> trace_lines(const Patches& patches, const Animation& animation,
                                      const StaticRays& static_rays, std::span<const FrameIndex> frames,
                                      const LineOptions& options, const Progress& progress) {
-  const LineScene& at_rest = static_rays.line_scene(patches, animation);
+  const LineScene at_rest = static_rays.line_scene(patches, animation);
   const LineScene moving = LineScene::moving(patches, animation, frames);
   const LineBox box = line_box(patches, animation);
   TracedLines traced;

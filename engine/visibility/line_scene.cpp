@@ -1,7 +1,7 @@
 #include "engine/visibility/line_scene.h"
 
 #include <algorithm>
-#include <limits>
+#include <optional>
 
 #include "engine/visibility/coincident.h"
 #include "engine/visibility/scene_facets.h"
@@ -17,13 +17,10 @@ std::uint32_t leaf_max(std::size_t facets) {
   return facets <= kFacetsTestedByAll ? kFacetsTestedByAll : kLeafMax;
 }
 
-/// Of a facet's corners, a little larger: nothing is lost by rounding.
 Box box_of(const std::array<Vec3, 4>& corners, bool is_triangle) {
   Box box{corners[0], corners[0]};
   for (int c = 1; c < (is_triangle ? 3 : 4); ++c) box = united(box, {corners[c], corners[c]});
-  const float margin = 1e-6f * (length(box.lower) + length(box.upper)) + 1e-20f;
-  const Vec3 by{margin, margin, margin};
-  return {box.lower - by, box.upper + by};
+  return box;
 }
 
 /// The grid cell floor(x n), as cell_at has it.
@@ -40,7 +37,7 @@ LineScene LineScene::at_rest(const Patches& patches, const Animation& animation)
   std::vector<Box> boxes;
   for (const PlacedFacet& placed : facets)
     boxes.push_back(box_of(placed.corners, patches.facets[placed.facet].is_triangle));
-  scene.set_centre(facets);
+  scene.set_centre(animation);
   scene.add_block(facets, build_hierarchy(boxes, leaf_max(facets.size())));
   scene.join_blocks();
   return scene;
@@ -52,7 +49,7 @@ LineScene LineScene::moving(const Patches& patches, const Animation& animation,
   LineScene scene(patches);
   std::vector<std::vector<std::uint32_t>> of_object(animation.objects.size());
   for (std::uint32_t f = 0; f < patches.facets.size(); ++f) of_object[patches.facets[f].object].push_back(f);
-  scene.set_centre(moving_facets(patches, animation, frames));
+  scene.set_centre(animation);
   for (std::size_t o = 0; o < of_object.size(); ++o) {
     const ObjectMotion& motion = animation.objects[o];
     if (of_object[o].empty() || motion.is_static(animation.frame_count)) continue;
@@ -75,58 +72,99 @@ LineScene LineScene::moving(const Patches& patches, const Animation& animation,
   return scene;
 }
 
-void LineScene::set_centre(std::span<const PlacedFacet> facets) {
-  if (facets.empty()) return;
-  Box all{facets[0].origin, facets[0].origin};
-  for (const PlacedFacet& facet : facets) all = united(all, {facet.origin, facet.origin});
-  tree_.centre = 0.5f * (all.lower + all.upper);
+/// The same for every window, so that a line meets the same things in whichever window a frame is traced.
+void LineScene::set_centre(const Animation& animation) {
+  std::optional<Box> all;
+  for (const Facet& facet : patches_->facets) {
+    const ObjectMotion& motion = animation.objects[facet.object];
+    if (motion.spans.empty()) continue;
+    const Vec3 at = transform_point(motion.spans[0].pose, facet.origin);
+    all = all ? united(*all, {at, at}) : Box{at, at};
+  }
+  if (all) tree_->centre = 0.5f * (all->lower + all->upper);
 }
 
 void LineScene::add_block(std::span<const PlacedFacet> facets, const BoxHierarchy& shape) {
   if (facets.empty()) return;
-  const auto node_base = static_cast<std::uint32_t>(tree_.nodes.size());
+  const auto node_base = static_cast<std::uint32_t>(tree_->nodes.size());
   const auto place_base = static_cast<std::uint32_t>(items_.size());
   std::vector<Box> boxes;
   for (const std::uint32_t k : shape.order) {
     const PlacedFacet& placed = facets[k];
     const Facet& facet = patches_->facets[placed.facet];
     boxes.push_back(box_of(placed.corners, facet.is_triangle));
-    boxes.back().lower = boxes.back().lower - tree_.centre;
-    boxes.back().upper = boxes.back().upper - tree_.centre;
-    tree_.tests.push_back(facet_test(placed, facet.is_triangle, tree_.centre));
-    const bool is_grid = !facet.is_triangle && facet.trees.empty();
-    items_.push_back({placed.facet, facet.first_patch, facet.both_sides ? facet.cell_count() : 0,
-                      is_grid ? facet.grid_u : 0, is_grid ? facet.grid_v : 0,
-                      static_cast<std::uint16_t>(placed.first_slot),
+    boxes.back().lower = boxes.back().lower - tree_->centre;
+    boxes.back().upper = boxes.back().upper - tree_->centre;
+    tree_->tests.push_back(facet_test(placed, facet.is_triangle, tree_->centre));
+    items_.push_back({placed.facet, 0, 0, 0, 0, static_cast<std::uint16_t>(placed.first_slot),
                       static_cast<std::uint16_t>(placed.last_slot)});
+    number_patches(items_.back());
   }
   for (BoxNode node : shape.nodes) {
     node.first += node.count == 0 ? node_base : place_base;
-    tree_.nodes.push_back(node);
+    tree_->nodes.push_back(node);
   }
-  refit(std::span(tree_.nodes).subspan(node_base), node_base, boxes, place_base);
+  refit(std::span(tree_->nodes).subspan(node_base), node_base, boxes, place_base);
   blocks_.push_back({node_base, facets[0].first_slot, facets[0].last_slot});
+}
+
+/// Where the patches of the facet begin and how they are laid out.
+void LineScene::number_patches(Item& item) const {
+  const Facet& facet = patches_->facets[item.facet];
+  const bool is_grid = !facet.is_triangle && facet.trees.empty();
+  item.first_patch = facet.first_patch;
+  item.back = facet.both_sides ? facet.cell_count() : 0;
+  item.grid_u = is_grid ? facet.grid_u : 0;
+  item.grid_v = is_grid ? facet.grid_v : 0;
+}
+
+LineScene LineScene::of(const Patches& patches) const {
+  LineScene scene = *this;
+  scene.patches_ = &patches;
+  for (Item& item : scene.items_) scene.number_patches(item);
+  return scene;
 }
 
 /// A tree over the blocks, whose leaves become the blocks' roots.
 void LineScene::join_blocks() {
   std::vector<Box> boxes;
   for (const Block& block : blocks_)
-    boxes.push_back({tree_.nodes[block.root].lower, tree_.nodes[block.root].upper});
+    boxes.push_back({tree_->nodes[block.root].lower, tree_->nodes[block.root].upper});
   const BoxHierarchy top = build_hierarchy(boxes, 1);
-  root_ = static_cast<std::uint32_t>(tree_.nodes.size());
+  root_ = static_cast<std::uint32_t>(tree_->nodes.size());
   for (BoxNode node : top.nodes) {
     if (node.count > 0)
-      node = tree_.nodes[blocks_[top.order[node.first]].root];
+      node = tree_->nodes[blocks_[top.order[node.first]].root];
     else
       node.first += root_;
-    tree_.nodes.push_back(node);
+    tree_->nodes.push_back(node);
   }
+}
+
+inline bool LineScene::is_before(const PacketHit& a, const PacketHit& b) const {
+  if (a.distance != b.distance) return a.distance < b.distance;
+  const Item &of_a = items_[a.item], &of_b = items_[b.item];
+  return of_a.facet != of_b.facet ? of_a.facet < of_b.facet : of_a.first_slot < of_b.first_slot;
+}
+
+inline MovingCrossing LineScene::crossing_of(const PacketHit& hit) const {
+  const Item& item = items_[hit.item];
+  const std::uint32_t cell = item.grid_u > 0
+                                 ? cell_of(hit.v, item.grid_v) * item.grid_u + cell_of(hit.u, item.grid_u)
+                                 : cell_at(patches_->facets[item.facet], hit.u, hit.v);
+  const PatchId front = item.first_patch + cell, back = item.back > 0 ? front + item.back : kNoPatch;
+  MovingCrossing crossing;
+  crossing.distance = hit.distance;
+  crossing.facing_back = hit.front != 0 ? front : back;
+  crossing.facing_forward = hit.front != 0 ? back : front;
+  crossing.first_slot = item.first_slot;
+  crossing.last_slot = item.last_slot;
+  return crossing;
 }
 
 void LineScene::all_hits(const LinePacket& packet, Buffers& buffers, PacketCrossings& found) const {
   buffers.hits.clear();
-  if (!empty()) trace_packet(tree_, std::span(&root_, 1), packet, buffers.hits);
+  if (!empty()) trace_packet(*tree_, std::span(&root_, 1), packet, buffers.hits);
   list_hits(0, kWindowMax - 1, buffers, found);
 }
 
@@ -136,7 +174,7 @@ void LineScene::all_hits(const LinePacket& packet, std::uint32_t first_slot, std
   buffers.roots.clear();
   for (const Block& block : blocks_)
     if (block.first_slot <= last_slot && first_slot <= block.last_slot) buffers.roots.push_back(block.root);
-  trace_packet(tree_, buffers.roots, packet, buffers.hits);
+  trace_packet(*tree_, buffers.roots, packet, buffers.hits);
   list_hits(first_slot, last_slot, buffers, found);
 }
 
@@ -151,32 +189,34 @@ void LineScene::list_hits(std::uint32_t first_slot, std::uint32_t last_slot, Buf
   found.begin[kLanes] = static_cast<std::uint32_t>(found.crossings.size());
 }
 
-bool LineScene::is_before(const PacketHit& a, const PacketHit& b) const {
-  if (a.distance != b.distance) return a.distance < b.distance;
-  const Item &of_a = items_[a.item], &of_b = items_[b.item];
-  return of_a.facet != of_b.facet ? of_a.facet < of_b.facet : of_a.first_slot < of_b.first_slot;
-}
-
 /// Into buffers.sorted, each lane's from found.begin[lane] on and by distance. Empties `found`.
 void LineScene::sort_by_lane(Buffers& buffers, PacketCrossings& found) const {
   found.crossings.clear();
   found.begin.fill(0);
   for (const PacketHit& hit : buffers.hits) ++found.begin[hit.lane + 1];
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) found.begin[lane + 1] += found.begin[lane];
-  buffers.sorted.resize(buffers.hits.size());
+  if (buffers.sorted.size() < buffers.hits.size()) buffers.sorted.resize(buffers.hits.size());
   std::array<std::uint32_t, kLanes> next;
   std::copy_n(found.begin.begin(), kLanes, next.begin());
-  for (const PacketHit& hit : buffers.hits) buffers.sorted[next[hit.lane]++] = hit;
+  PacketHit* const sorted = buffers.sorted.data();
+  constexpr std::uint32_t kFew = 24;  // beyond them, moving one by one takes too long
+  for (const PacketHit& hit : buffers.hits) {
+    const std::uint32_t begin = found.begin[hit.lane];
+    std::uint32_t place = next[hit.lane]++;
+    if (found.begin[hit.lane + 1] - begin <= kFew)
+      for (; place > begin && is_before(hit, sorted[place - 1]); --place) sorted[place] = sorted[place - 1];
+    sorted[place] = hit;
+  }
   const auto before = [this](const PacketHit& a, const PacketHit& b) { return is_before(a, b); };
   for (std::uint32_t lane = 0; lane < kLanes; ++lane)
-    std::sort(buffers.sorted.begin() + found.begin[lane], buffers.sorted.begin() + found.begin[lane + 1],
-              before);
+    if (found.begin[lane + 1] - found.begin[lane] > kFew)
+      std::sort(sorted + found.begin[lane], sorted + found.begin[lane + 1], before);
 }
 
 bool LineScene::has_ties(std::span<const PacketHit> hits) const {
-  for (std::size_t k = 1; k < hits.size(); ++k)
-    if (is_same_distance(hits[k - 1], hits[k])) return true;
-  return false;
+  bool ties = false;
+  for (std::size_t k = 1; k < hits.size(); ++k) ties |= is_same_distance(hits[k - 1], hits[k]);
+  return ties;
 }
 
 MovingHit LineScene::hit_of(const PacketHit& hit) const {
@@ -186,21 +226,6 @@ MovingHit LineScene::hit_of(const PacketHit& hit) const {
   of.first_slot = item.first_slot;
   of.last_slot = item.last_slot;
   return of;
-}
-
-MovingCrossing LineScene::crossing_of(const PacketHit& hit) const {
-  const Item& item = items_[hit.item];
-  const std::uint32_t cell = item.grid_u > 0
-                                 ? cell_of(hit.v, item.grid_v) * item.grid_u + cell_of(hit.u, item.grid_u)
-                                 : cell_at(patches_->facets[item.facet], hit.u, hit.v);
-  const PatchId front = item.first_patch + cell, back = item.back > 0 ? front + item.back : kNoPatch;
-  MovingCrossing crossing;
-  crossing.distance = hit.distance;
-  crossing.facing_back = hit.front != 0 ? front : back;
-  crossing.facing_forward = hit.front != 0 ? back : front;
-  crossing.first_slot = item.first_slot;
-  crossing.last_slot = item.last_slot;
-  return crossing;
 }
 
 /// Appends what is there in some of the slots.

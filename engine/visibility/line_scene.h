@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -40,7 +41,10 @@ class LineScene {
   static LineScene moving(const Patches& patches, const Animation& animation,
                           std::span<const FrameIndex> frames);
 
-  bool empty() const { return tree_.nodes.empty(); }
+  /// The same facets with the patches of another mesh. The tree is shared.
+  LineScene of(const Patches& patches) const;
+
+  bool empty() const { return tree_->nodes.empty(); }
 
   /// Every crossing between near and far. A line through an edge that two facets share crosses the surface
   /// once in every slot; ties in distance are in the order of the facets.
@@ -66,8 +70,9 @@ class LineScene {
   };
 
   explicit LineScene(const Patches& patches) : patches_(&patches) {}
-  void set_centre(std::span<const PlacedFacet> facets);
+  void set_centre(const Animation& animation);
   void add_block(std::span<const PlacedFacet> facets, const BoxHierarchy& shape);
+  void number_patches(Item& item) const;
   void join_blocks();
   void list_hits(std::uint32_t first_slot, std::uint32_t last_slot, Buffers& buffers,
                  PacketCrossings& found) const;
@@ -80,10 +85,11 @@ class LineScene {
   MovingCrossing crossing_of(const PacketHit& hit) const;
 
   const Patches* patches_;
-  FacetTree tree_;
+  std::shared_ptr<FacetTree> tree_ = std::make_shared<FacetTree>();
   std::vector<Item> items_;  ///< [place in tree_.tests]
   std::vector<Block> blocks_;
   std::uint32_t root_ = 0;
+  Vec3 margin_;  ///< boxes are larger by this than what they hold: many times what rounding comes to  [m]
 };
 
 }  // namespace engine

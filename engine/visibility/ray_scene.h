@@ -60,8 +60,9 @@ class StaticRays {
   /// False where nothing is hit.
   bool nearest(const Ray& ray, SurfaceHit& hit) const;
 
-  /// The same facets for packets of lines; built by the first call, which gives what this was made of.
-  const LineScene& line_scene(const Patches& patches, const Animation& animation) const;
+  /// The same facets for packets of lines, with the patches of a mesh of this scene, which outlives the
+  /// answer; its tree is built by the first call. `animation`: what this was made of.
+  LineScene line_scene(const Patches& patches, const Animation& animation) const;
 
  private:
   struct Impl;

@@ -31,11 +31,11 @@ void StaticRays::all_hits(const Ray& ray, std::vector<SurfaceHit>& hits) const {
   }
 }
 
-const LineScene& StaticRays::line_scene(const Patches& patches, const Animation& animation) const {
+LineScene StaticRays::line_scene(const Patches& patches, const Animation& animation) const {
   std::call_once(impl_->lines_once, [&] {
     impl_->lines = std::make_unique<const LineScene>(LineScene::at_rest(patches, animation));
   });
-  return *impl_->lines;
+  return impl_->lines->of(patches);
 }
 
 bool StaticRays::occluded(const Ray& ray) const {
