@@ -155,5 +155,46 @@ TEST(Mix, EveryInputBitChangesHalfOfTheOutputBits) {
   EXPECT_NEAR(changed / 64, 32.0, 5 * 4.0 / 8.0);
 }
 
+// Each of sixteen points in a cell of its own, whichever way 16 cells are cut from a pair of dimensions that
+// are a net.
+TEST(ScrambledLanes, AreStratifiedAndEvenOverAllSeeds) {
+  SobolBits bits;
+  for (std::uint32_t k = 0; k < SobolBits::kCount; ++k) bits.set(k, k);
+  const SobolBits* all = &bits;
+  double sum[4] = {};
+  constexpr int kSeeds = 3000;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    SobolSeeds seeds;
+    seeds.fill(stream_seed(11, seed));
+    SobolPoints points;
+    scramble(&all, &seeds, 1, &points);
+    for (std::size_t d = 0; d < 4; ++d) {
+      std::uint32_t cells = 0, squares = 0;
+      for (std::size_t k = 0; k < SobolBits::kCount; ++k) {
+        const float x = points.of[d][k];
+        ASSERT_TRUE(x >= 0 && x < 1);
+        cells |= 1u << static_cast<int>(16 * x);
+        squares |= 1u << (4 * static_cast<int>(4 * points.of[0][k]) + static_cast<int>(4 * points.of[1][k]));
+      }
+      ASSERT_EQ(cells, 0xffffu) << "dimension " << d;
+      ASSERT_EQ(squares, 0xffffu);
+      sum[d] += points.of[d][3];
+    }
+  }
+  for (const double s : sum) EXPECT_NEAR(s / kSeeds, 0.5, 5 * std::sqrt(1.0 / 12 / kSeeds));
+}
+
+TEST(ScrambledLanes, OfDifferentSeedsDiffer) {
+  SobolBits bits;
+  for (std::uint32_t k = 0; k < SobolBits::kCount; ++k) bits.set(k, 5);
+  const SobolBits* all = &bits;
+  SobolSeeds seeds;
+  for (std::uint64_t k = 0; k < SobolBits::kCount; ++k) seeds[k] = stream_seed(3, k);
+  SobolPoints points;
+  scramble(&all, &seeds, 1, &points);
+  for (std::size_t d = 0; d < 4; ++d)
+    for (std::size_t k = 1; k < SobolBits::kCount; ++k) EXPECT_NE(points.of[d][k], points.of[d][k - 1]);
+}
+
 }  // namespace
 }  // namespace engine
