@@ -17,21 +17,27 @@ void store(float (&to)[3], Vec3 v) {
 struct alignas(64) PacketState {
   float o[3][kLanes], d[3][kLanes], m[3][kLanes];  ///< m = o x d
   float inverse[3][kLanes];                        ///< 1 / d, finite
+  float shift[3][kLanes];                          ///< o / d
   float near[kLanes], far[kLanes];
+  float common_d[3], common_inverse[3];  ///< of lane 0
 };
 
-/// The slabs are entered a little early and left a little late: rounding loses no box.
+/// Slabs are left a little late, and boxes are a little larger than what they hold: rounding loses nothing.
 constexpr float kWider = 1.0f + 1e-6f;
 
 [[gnu::always_inline]] inline void prepare(const LinePacket& packet, Vec3 centre, PacketState& s) {
   const float about[3] = {centre.x, centre.y, centre.z};
-  for (int axis = 0; axis < 3; ++axis)
+  for (int axis = 0; axis < 3; ++axis) {
     for (std::uint32_t k = 0; k < kLanes; ++k) {
       const float d = packet.direction[axis][k];
       s.o[axis][k] = packet.origin[axis][k] - about[axis];
       s.d[axis][k] = d;
       s.inverse[axis][k] = 1.0f / (std::abs(d) > 1e-18f ? d : 1e-18f);
+      s.shift[axis][k] = s.o[axis][k] * s.inverse[axis][k];
     }
+    s.common_d[axis] = s.d[axis][0];
+    s.common_inverse[axis] = s.inverse[axis][0];
+  }
   for (std::uint32_t k = 0; k < kLanes; ++k) {
     s.m[0][k] = s.o[1][k] * s.d[2][k] - s.o[2][k] * s.d[1][k];
     s.m[1][k] = s.o[2][k] * s.d[0][k] - s.o[0][k] * s.d[2][k];
@@ -41,36 +47,63 @@ constexpr float kWider = 1.0f + 1e-6f;
   }
 }
 
+// What follows comes in two kinds: for any lines, and for parallel ones (kParallel), of which half the
+// arithmetic is that of one line. Both give the same bytes, but for boxes, which decide nothing by
+// themselves.
+
+template <bool kParallel>
 [[gnu::always_inline]] inline bool meets_box(const BoxNode& node, const PacketState& s) {
+  const float lower[3] = {node.lower.x, node.lower.y, node.lower.z};
+  const float upper[3] = {node.upper.x, node.upper.y, node.upper.z};
   std::uint32_t any = 0;
-  for (std::uint32_t k = 0; k < kLanes; ++k) {
-    const float x0 = (node.lower.x - s.o[0][k]) * s.inverse[0][k],
-                x1 = (node.upper.x - s.o[0][k]) * s.inverse[0][k];
-    const float y0 = (node.lower.y - s.o[1][k]) * s.inverse[1][k],
-                y1 = (node.upper.y - s.o[1][k]) * s.inverse[1][k];
-    const float z0 = (node.lower.z - s.o[2][k]) * s.inverse[2][k],
-                z1 = (node.upper.z - s.o[2][k]) * s.inverse[2][k];
-    const float in_x = x0 < x1 ? x0 : x1, out_x = x0 < x1 ? x1 : x0;
-    const float in_y = y0 < y1 ? y0 : y1, out_y = y0 < y1 ? y1 : y0;
-    const float in_z = z0 < z1 ? z0 : z1, out_z = z0 < z1 ? z1 : z0;
-    float in = in_x > in_y ? in_x : in_y, out = out_x < out_y ? out_x : out_y;
-    in = in > in_z ? in : in_z;
-    out = out < out_z ? out : out_z;
-    in = in > s.near[k] ? in : s.near[k];
-    out = (out < s.far[k] ? out : s.far[k]) * kWider;
-    any |= in <= out ? 1u : 0u;
+  if constexpr (kParallel) {
+    float first[3], last[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const float a = lower[axis] * s.common_inverse[axis], b = upper[axis] * s.common_inverse[axis];
+      first[axis] = a < b ? a : b;
+      last[axis] = a < b ? b : a;
+    }
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
+      const float in_x = first[0] - s.shift[0][k], out_x = last[0] - s.shift[0][k];
+      const float in_y = first[1] - s.shift[1][k], out_y = last[1] - s.shift[1][k];
+      const float in_z = first[2] - s.shift[2][k], out_z = last[2] - s.shift[2][k];
+      float in = in_x > in_y ? in_x : in_y, out = out_x < out_y ? out_x : out_y;
+      in = in > in_z ? in : in_z;
+      out = out < out_z ? out : out_z;
+      in = in > s.near[k] ? in : s.near[k];
+      out = (out < s.far[k] ? out : s.far[k]) * kWider;
+      any |= in <= out ? 1u : 0u;
+    }
+  } else {
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
+      float in = s.near[k], out = s.far[k];
+      for (int axis = 0; axis < 3; ++axis) {
+        const float a = (lower[axis] - s.o[axis][k]) * s.inverse[axis][k];
+        const float b = (upper[axis] - s.o[axis][k]) * s.inverse[axis][k];
+        const float first = a < b ? a : b, last = a < b ? b : a;
+        in = in > first ? in : first;
+        out = out < last ? out : last;
+      }
+      any |= in <= out * kWider ? 1u : 0u;
+    }
   }
   return any != 0;
 }
 
 /// One bit per lane that passes inside all edges, from either side.
+template <bool kParallel>
 [[gnu::always_inline]] inline std::uint32_t lanes_inside(const FacetTest& f, const PacketState& s) {
+  float common[4];
+  for (int e = 0; e < 4; ++e)
+    common[e] = (f.edge[e][3] * s.common_d[0] + f.edge[e][4] * s.common_d[1]) + f.edge[e][5] * s.common_d[2];
   std::uint32_t inside = 0;
   for (std::uint32_t k = 0; k < kLanes; ++k) {
     float side[4];
     for (int e = 0; e < 4; ++e)
-      side[e] = ((f.edge[e][0] * s.m[0][k] + f.edge[e][1] * s.m[1][k]) + f.edge[e][2] * s.m[2][k]) +
-                ((f.edge[e][3] * s.d[0][k] + f.edge[e][4] * s.d[1][k]) + f.edge[e][5] * s.d[2][k]);
+      side[e] =
+          ((f.edge[e][0] * s.m[0][k] + f.edge[e][1] * s.m[1][k]) + f.edge[e][2] * s.m[2][k]) +
+          (kParallel ? common[e]
+                     : ((f.edge[e][3] * s.d[0][k] + f.edge[e][4] * s.d[1][k]) + f.edge[e][5] * s.d[2][k]));
     const float low01 = side[0] < side[1] ? side[0] : side[1], low23 = side[2] < side[3] ? side[2] : side[3];
     const float high01 = side[0] < side[1] ? side[1] : side[0],
                 high23 = side[2] < side[3] ? side[3] : side[2];
@@ -100,9 +133,10 @@ struct alignas(64) Meeting {
   }
 }
 
+template <bool kParallel>
 [[gnu::always_inline]] inline void test_facet(const FacetTest& facet, std::uint32_t item,
                                               const PacketState& s, std::vector<PacketHit>& hits) {
-  std::uint32_t inside = lanes_inside(facet, s);
+  std::uint32_t inside = lanes_inside<kParallel>(facet, s);
   if (inside == 0) return;
   Meeting at;
   meet_plane(facet, s, at);
@@ -112,6 +146,32 @@ struct alignas(64) Meeting {
     hits.push_back({at.distance[lane], at.u[lane], at.v[lane], item, static_cast<std::uint16_t>(lane),
                     static_cast<std::uint16_t>(at.front[lane])});
   }
+}
+
+template <bool kParallel>
+[[gnu::always_inline]] inline void descend(const FacetTree& tree, std::uint32_t root, const PacketState& s,
+                                           std::vector<PacketHit>& hits) {
+  std::uint32_t stack[2 * kHierarchyDepth + 2];
+  std::uint32_t size = 0;
+  stack[size++] = root;
+  while (size > 0) {
+    const BoxNode& node = tree.nodes[stack[--size]];
+    if (!meets_box<kParallel>(node, s)) continue;
+    if (node.count == 0) {
+      stack[size++] = node.first + 1;
+      stack[size++] = node.first;
+    }
+    for (std::uint32_t item = node.first; item < node.first + node.count; ++item)
+      test_facet<kParallel>(tree.tests[item], item, s, hits);
+  }
+}
+
+bool are_parallel(const LinePacket& packet) {
+  std::uint32_t differ = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::uint32_t k = 0; k < kLanes; ++k)
+      differ |= packet.direction[axis][k] != packet.direction[axis][0] ? 1u : 0u;
+  return differ == 0;
 }
 
 }  // namespace
@@ -144,20 +204,12 @@ void trace_packet(const FacetTree& tree, std::span<const std::uint32_t> roots, c
                   std::vector<PacketHit>& hits) {
   PacketState state;
   prepare(packet, tree.centre, state);
-  std::uint32_t stack[2 * kHierarchyDepth + 2];
+  const bool parallel = are_parallel(packet);
   for (const std::uint32_t root : roots) {
-    std::uint32_t size = 0;
-    stack[size++] = root;
-    while (size > 0) {
-      const BoxNode& node = tree.nodes[stack[--size]];
-      if (!meets_box(node, state)) continue;
-      if (node.count == 0) {
-        stack[size++] = node.first + 1;
-        stack[size++] = node.first;
-      }
-      for (std::uint32_t item = node.first; item < node.first + node.count; ++item)
-        test_facet(tree.tests[item], item, state, hits);
-    }
+    if (parallel)
+      descend<true>(tree, root, state, hits);
+    else
+      descend<false>(tree, root, state, hits);
   }
 }
 
