@@ -14,8 +14,9 @@
 namespace engine {
 
 struct DirectOptions {
-  /// Points of a patch against each light, all replicates together; 32 times as many per patch at most,
-  /// unless lights take turns or move.  1 .. 1024
+  /// Rays of a patch against each light where something may be in the way, all replicates together; where
+  /// nothing is, none are needed. Sixteen are cast at once: fewer save little. 32 times as many per patch at
+  /// most, unless lights take turns or move.  1 .. 1024
   std::uint32_t samples_per_light = 16;
   /// Independent sets that the samples are dealt out to, each with max(1, samples / replicates) of them;
   /// their scatter is the variance. 1: none is known.  1 .. 1024
@@ -25,8 +26,9 @@ struct DirectOptions {
 
 /// What it took.
 struct DirectCounts {
-  std::uint64_t light_samples = 0;  ///< points of patches against lights, each once for all frames
-  std::uint64_t shadow_rays = 0;    ///< for those where something may have been in the way
+  /// Points of patches against lights, each once for all frames, that results stand for
+  std::uint64_t light_samples = 0;
+  std::uint64_t shadow_rays = 0;  ///< for those where something may have been in the way
 
   DirectCounts& operator+=(const DirectCounts& more) {
     light_samples += more.light_samples;
@@ -50,17 +52,21 @@ struct DirectLight {
 
 /// Lights patches in each of `frames` (increasing; none: only what is at rest).
 ///
-/// Per patch and light, over `samples_per_light` points x of the patch and y of the light:
+/// Per patch and light, over `samples_per_light` points x_s of the patch and y_s of the light:
 ///
-///     H = E mean_s F(x_s) V(x_s, y_s)
+///     H = E F (1 - sum_s w_s b_s / sum_s w_s)
 ///
-/// F is the closed form factor from x to the light; of a light without surface it is cos / r^2, or cos
-/// (arrival.h). V is 1 where nothing can stand between the patch and the light (shaft.h), else a shadow ray,
-/// a hair off the surfaces at both ends (clearance_m); y is drawn in proportion to what it contributes
-/// (sample_light), so that H is right past any occluder and has no noise but that of x where nothing is
-/// hidden. Static surfaces answer once for all frames, moving ones say in which frames they block. The same
-/// points in every frame: what noise there is does not flicker. Patches of an object that is not there in a
-/// frame get 0.
+/// F is the mean over the patch of the closed form factor to the light; of a light without surface, of
+/// cos / r^2, or cos (arrival.h). Where the light is away from the patch by some times its size, F comes from
+/// a fixed rule, exact to 1e-4 (TileView: it depends on where the two are and on nothing else); else from the
+/// points x_s. b_s in {0, 1} tells whether the ray from x_s to y_s is blocked, a hair off the surfaces at
+/// both ends (clearance_m); w_s is what it would carry by what it was likely to be drawn (join). So H has no
+/// noise where nothing is hidden, and is exactly 0 where everything is; as a ratio it is off by less than the
+/// scatter of w times that of b by the number of points, which their densities, bilinear on patch and light,
+/// keep small. Rays are cast only where something can stand between (shaft.h), found for neighbouring patches
+/// together (TileLighter). Static surfaces answer once for all frames, moving ones say in which frames they
+/// block. The same points in every frame: what noise there is does not flicker. Patches of an object that is
+/// not there in a frame get 0.
 ///
 /// Where more than 32 lights can shine on a patch, those that matter most are sampled so, and the others
 /// share samples that are drawn among them: about twice those of 15 lights, for any number (light_choice.h).
