@@ -81,7 +81,10 @@ void LineScene::set_centre(const Animation& animation) {
     const Vec3 at = transform_point(motion.spans[0].pose, facet.origin);
     all = all ? united(*all, {at, at}) : Box{at, at};
   }
-  if (all) tree_->centre = 0.5f * (all->lower + all->upper);
+  if (!all) return;
+  tree_->centre = 0.5f * (all->lower + all->upper);
+  const float size = length(all->upper - all->lower) + length(tree_->centre);
+  margin_ = Vec3{size, size, size} * 4e-6f;
 }
 
 void LineScene::add_block(std::span<const PlacedFacet> facets, const BoxHierarchy& shape) {
@@ -93,8 +96,8 @@ void LineScene::add_block(std::span<const PlacedFacet> facets, const BoxHierarch
     const PlacedFacet& placed = facets[k];
     const Facet& facet = patches_->facets[placed.facet];
     boxes.push_back(box_of(placed.corners, facet.is_triangle));
-    boxes.back().lower = boxes.back().lower - tree_->centre;
-    boxes.back().upper = boxes.back().upper - tree_->centre;
+    boxes.back().lower = boxes.back().lower - tree_->centre - margin_;
+    boxes.back().upper = boxes.back().upper - tree_->centre + margin_;
     tree_->tests.push_back(facet_test(placed, facet.is_triangle, tree_->centre));
     items_.push_back({placed.facet, 0, 0, 0, 0, static_cast<std::uint16_t>(placed.first_slot),
                       static_cast<std::uint16_t>(placed.last_slot)});
@@ -164,7 +167,7 @@ inline MovingCrossing LineScene::crossing_of(const PacketHit& hit) const {
 
 void LineScene::all_hits(const LinePacket& packet, Buffers& buffers, PacketCrossings& found) const {
   buffers.hits.clear();
-  if (!empty()) trace_packet(*tree_, std::span(&root_, 1), packet, buffers.hits);
+  if (!empty()) trace_packet(*tree_, std::span(&root_, 1), packet, buffers.lists, buffers.hits);
   list_hits(0, kWindowMax - 1, buffers, found);
 }
 
@@ -174,7 +177,7 @@ void LineScene::all_hits(const LinePacket& packet, std::uint32_t first_slot, std
   buffers.roots.clear();
   for (const Block& block : blocks_)
     if (block.first_slot <= last_slot && first_slot <= block.last_slot) buffers.roots.push_back(block.root);
-  trace_packet(*tree_, buffers.roots, packet, buffers.hits);
+  trace_packet(*tree_, buffers.roots, packet, buffers.lists, buffers.hits);
   list_hits(first_slot, last_slot, buffers, found);
 }
 
@@ -199,7 +202,7 @@ void LineScene::sort_by_lane(Buffers& buffers, PacketCrossings& found) const {
   std::array<std::uint32_t, kLanes> next;
   std::copy_n(found.begin.begin(), kLanes, next.begin());
   PacketHit* const sorted = buffers.sorted.data();
-  constexpr std::uint32_t kFew = 24;  // beyond them, moving one by one takes too long
+  constexpr std::uint32_t kFew = 12;  // beyond them, moving one by one takes too long
   for (const PacketHit& hit : buffers.hits) {
     const std::uint32_t begin = found.begin[hit.lane];
     std::uint32_t place = next[hit.lane]++;

@@ -33,6 +33,7 @@ class LineScene {
     std::vector<PacketHit> hits, sorted;
     std::vector<std::uint32_t> roots;
     std::vector<MovingHit> apart;
+    TraceLists lists;
   };
 
   /// The facets that never move, in slots [0, 0].

@@ -133,36 +133,70 @@ struct alignas(64) Meeting {
   }
 }
 
+/// What is fetched while others are tested: a window's facets are more than a cache holds.
+constexpr std::size_t kAhead = 6, kLeafBytes = 4 * sizeof(FacetTest);
+
+inline void fetch(const FacetTree& tree, std::uint32_t leaf) {
+  const char* first = reinterpret_cast<const char*>(&tree.tests[tree.nodes[leaf].first]);
+  const std::size_t bytes = tree.nodes[leaf].count * sizeof(FacetTest);
+  for (std::size_t b = 0; b < bytes && b < kLeafBytes; b += 64) __builtin_prefetch(first + b);
+}
+
+/// Replaces lists.leaves by those whose boxes a line meets. Entries are written always and kept by moving on.
 template <bool kParallel>
-[[gnu::always_inline]] inline void test_facet(const FacetTest& facet, std::uint32_t item,
-                                              const PacketState& s, std::vector<PacketHit>& hits) {
-  std::uint32_t inside = lanes_inside<kParallel>(facet, s);
-  if (inside == 0) return;
-  Meeting at;
-  meet_plane(facet, s, at);
-  for (; inside != 0; inside &= inside - 1) {
-    const auto lane = static_cast<std::uint32_t>(__builtin_ctz(inside));
-    if (at.valid[lane] == 0) continue;
-    hits.push_back({at.distance[lane], at.u[lane], at.v[lane], item, static_cast<std::uint16_t>(lane),
-                    static_cast<std::uint16_t>(at.front[lane])});
+[[gnu::always_inline]] inline void find_leaves(const FacetTree& tree, std::span<const std::uint32_t> roots,
+                                               const PacketState& s, TraceLists& lists) {
+  lists.open.assign(roots.begin(), roots.end());
+  std::size_t leaves = 0;
+  while (!lists.open.empty()) {
+    const std::size_t count = lists.open.size();
+    if (lists.next.size() < 2 * count) lists.next.resize(2 * count);
+    if (lists.leaves.size() < leaves + count) lists.leaves.resize(2 * (leaves + count));
+    std::uint32_t *const next = lists.next.data(), *const leaf = lists.leaves.data();
+    std::size_t children = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (k + kAhead < count) __builtin_prefetch(&tree.nodes[lists.open[k + kAhead]]);
+      const std::uint32_t at = lists.open[k];
+      const BoxNode& node = tree.nodes[at];
+      const std::size_t met = meets_box<kParallel>(node, s) ? 1 : 0, is_leaf = node.count > 0 ? 1 : 0;
+      next[children] = node.first;
+      next[children + 1] = node.first + 1;
+      children += 2 * (met & (1 - is_leaf));
+      leaf[leaves] = at;
+      leaves += met & is_leaf;
+    }
+    lists.open.assign(next, next + children);
   }
+  lists.leaves.resize(leaves);
 }
 
 template <bool kParallel>
-[[gnu::always_inline]] inline void descend(const FacetTree& tree, std::uint32_t root, const PacketState& s,
-                                           std::vector<PacketHit>& hits) {
-  std::uint32_t stack[2 * kHierarchyDepth + 2];
-  std::uint32_t size = 0;
-  stack[size++] = root;
-  while (size > 0) {
-    const BoxNode& node = tree.nodes[stack[--size]];
-    if (!meets_box<kParallel>(node, s)) continue;
-    if (node.count == 0) {
-      stack[size++] = node.first + 1;
-      stack[size++] = node.first;
+[[gnu::always_inline]] inline void trace(const FacetTree& tree, std::span<const std::uint32_t> roots,
+                                         const PacketState& s, TraceLists& lists,
+                                         std::vector<PacketHit>& hits) {
+  find_leaves<kParallel>(tree, roots, s, lists);
+  std::size_t tests = 0, found = 0;
+  for (const std::uint32_t leaf : lists.leaves) tests += tree.nodes[leaf].count;
+  if (lists.candidates.size() < tests + 1) lists.candidates.resize(2 * tests + 1);
+  Candidate* const candidates = lists.candidates.data();
+  for (std::size_t k = 0; k < lists.leaves.size(); ++k) {
+    if (k + kAhead < lists.leaves.size()) fetch(tree, lists.leaves[k + kAhead]);
+    const BoxNode& node = tree.nodes[lists.leaves[k]];
+    for (std::uint32_t item = node.first; item < node.first + node.count; ++item) {
+      const std::uint32_t inside = lanes_inside<kParallel>(tree.tests[item], s);
+      candidates[found] = {item, inside};
+      found += inside != 0 ? 1 : 0;
     }
-    for (std::uint32_t item = node.first; item < node.first + node.count; ++item)
-      test_facet<kParallel>(tree.tests[item], item, s, hits);
+  }
+  for (std::size_t c = 0; c < found; ++c) {
+    Meeting at;
+    meet_plane(tree.tests[candidates[c].item], s, at);
+    for (std::uint32_t inside = candidates[c].lanes; inside != 0; inside &= inside - 1) {
+      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(inside));
+      if (at.valid[lane] == 0) continue;
+      hits.push_back({at.distance[lane], at.u[lane], at.v[lane], candidates[c].item,
+                      static_cast<std::uint16_t>(lane), static_cast<std::uint16_t>(at.front[lane])});
+    }
   }
 }
 
@@ -201,16 +235,13 @@ FacetTest facet_test(const PlacedFacet& facet, bool is_triangle, Vec3 centre) {
 
 KEYLUME_WIDEST
 void trace_packet(const FacetTree& tree, std::span<const std::uint32_t> roots, const LinePacket& packet,
-                  std::vector<PacketHit>& hits) {
+                  TraceLists& lists, std::vector<PacketHit>& hits) {
   PacketState state;
   prepare(packet, tree.centre, state);
-  const bool parallel = are_parallel(packet);
-  for (const std::uint32_t root : roots) {
-    if (parallel)
-      descend<true>(tree, root, state, hits);
-    else
-      descend<false>(tree, root, state, hits);
-  }
+  if (are_parallel(packet))
+    trace<true>(tree, roots, state, lists, hits);
+  else
+    trace<false>(tree, roots, state, lists, hits);
 }
 
 }  // namespace engine

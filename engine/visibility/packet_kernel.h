@@ -36,10 +36,23 @@ struct FacetTree {
   Vec3 centre;
 };
 
+/// A facet that some lanes pass inside of, one bit each.
+struct Candidate {
+  std::uint32_t item, lanes;
+};
+
+/// What trace_packet works with; reused, it allocates nothing.
+struct TraceLists {
+  std::vector<std::uint32_t> open, next, leaves;  ///< nodes
+  std::vector<Candidate> candidates;
+};
+
 /// Appends what the lines of `packet` meet below the nodes `roots`, in no order; no facet twice for a line.
 /// Loops over lanes only: 44 multiplications and additions decide whether a line passes inside a facet's
-/// edges, 26 whether it meets a box. The same bytes for every kind of registers.
+/// edges (24 where the packet's are parallel), 26 whether it meets a box. Level by level and
+/// without branches, so that one test begins before the last one has ended. The same bytes for every
+/// kind of registers.
 void trace_packet(const FacetTree& tree, std::span<const std::uint32_t> roots, const LinePacket& packet,
-                  std::vector<PacketHit>& hits);
+                  TraceLists& lists, std::vector<PacketHit>& hits);
 
 }  // namespace engine
