@@ -87,6 +87,8 @@ class TileLighter {
     float factor = 0;  ///< what they stand for
   };
 
+  std::uint64_t seed_of(std::uint32_t replicate, PatchId patch, std::uint32_t stream) const;
+  static void set_indices(const Draws& draws, std::vector<SobolBits>& bits);
   void shade_batch(const Sight& sight, const Draws& draws);
   void place_samples(const Sight& sight, const Draws& draws);
   Spread spread_of(const PlacedTile& tile, std::uint32_t cell) const;

@@ -168,7 +168,7 @@ std::uint32_t Shaft::may_meet(const FacetLanes& facets, std::uint32_t& entered) 
   std::uint32_t inside = 0, from_front = 0;
   for (std::uint32_t k = 0; k < kLanes; ++k) inside |= (1u - outside[k]) << k;
   for (std::uint32_t k = 0; k < kLanes; ++k)
-    from_front |= (lowest[0][k] > off_m_) & (highest[1][k] < -off_m_) ? 1u << k : 0u;
+    from_front |= ((lowest[0][k] > off_m_ ? 1u : 0u) & (highest[1][k] < -off_m_ ? 1u : 0u)) << k;
   entered = from_front;
   return inside;
 }
