@@ -1,13 +1,15 @@
 #include "engine/image/texture_file.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <new>
+#include <optional>
 #include <string>
+
+#include "engine/image/load_codecs.h"
 
 namespace engine {
 namespace {
@@ -26,6 +28,55 @@ const char* format_of(const std::filesystem::path& file) {
   return "";
 }
 
+/// A texture on its way in.
+struct Arrival {
+  std::size_t pixels_max = 0;
+  Texture texture;
+  bool grey = false;
+  std::optional<api::Error> refusal;
+  std::string reason;  ///< the decoder's
+};
+
+/// Judged by the file's header, before any pixel is decoded.
+std::optional<api::Error> refusal_of(std::int64_t width, std::int64_t height, std::int32_t channels,
+                                     std::size_t pixels_max) {
+  const auto pixels =
+      std::size_t(std::max(width, std::int64_t{0})) * std::size_t(std::max(height, std::int64_t{0}));
+  if (width > kTextureEdgeMax || height > kTextureEdgeMax || pixels > pixels_max)
+    return api::Error{api::Fault::out_of_resources,
+                      "texture of " + std::to_string(width) + " x " + std::to_string(height) +
+                          " pixels; at most 8192 x 8192 and " + std::to_string(pixels_max) + " in all"};
+  if (pixels == 0 || channels < 1) return refused("holds no pixels");
+  return std::nullopt;
+}
+
+unsigned char* room_for(void* context, std::int64_t width, std::int64_t height,
+                        std::int32_t channels) noexcept {
+  try {
+    Arrival& arrival = *static_cast<Arrival*>(context);
+    arrival.refusal = refusal_of(width, height, channels, arrival.pixels_max);
+    if (arrival.refusal) return nullptr;
+    arrival.grey = channels < 3;
+    Texture& texture = arrival.texture;
+    texture.width = static_cast<std::uint32_t>(width);
+    texture.height = static_cast<std::uint32_t>(height);
+    texture.srgb.resize(std::size_t{texture.width} * texture.height);
+    static_assert(sizeof texture.srgb[0] == 3);
+    return texture.srgb[0].data();
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+bool keep_reason(void* context, const char* bytes, std::size_t count) noexcept {
+  try {
+    static_cast<Arrival*>(context)->reason.append(bytes, count);
+    return true;
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+}
+
 /// Grey stands in the first byte of each pixel.
 void repeat_grey(Texture& texture) {
   for (auto& pixel : texture.srgb) pixel[1] = pixel[2] = pixel[0];
@@ -36,28 +87,26 @@ void repeat_grey(Texture& texture) {
 api::Result<Texture> read_texture(const std::filesystem::path& file, std::size_t pixels_max) {
   const char* const format = format_of(file);
   if (*format == '\0') return refused("not a PNG or JPEG file");
-  const std::unique_ptr<OIIO::ImageInput> image = OIIO::ImageInput::create(format);
-  if (!image) return api::Error{api::Fault::internal, OIIO::geterror()};
-
-  OIIO::ImageSpec spec, wish;
-  wish.attribute("oiio:UnassociatedAlpha",
-                 1);  // else colours come multiplied by an alpha that means nothing here
-  if (!image->open(file.string(), spec, wish)) return refused("damaged: " + image->geterror());
-  const auto pixels = std::size_t(std::max(spec.width, 0)) * std::size_t(std::max(spec.height, 0));
-  if (spec.width > kTextureEdgeMax || spec.height > kTextureEdgeMax || pixels > pixels_max)
-    return api::Error{api::Fault::out_of_resources,
-                      "texture of " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
-                          " pixels; at most 8192 x 8192 and " + std::to_string(pixels_max) + " in all"};
-  if (pixels == 0 || spec.nchannels < 1) return refused("holds no pixels");
-
-  const int channels = spec.nchannels >= 3 ? 3 : 1;  // two: grey and alpha
-  Texture texture{static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height), {}};
-  texture.srgb.resize(pixels);
-  constexpr OIIO::stride_t kPixelBytes = sizeof texture.srgb[0];
-  if (!image->read_image(0, 0, 0, channels, OIIO::TypeDesc::UINT8, texture.srgb.data(), kPixelBytes))
-    return refused("damaged: " + image->geterror());
-  if (channels == 1) repeat_grey(texture);
-  return texture;
+  const auto codecs = image_codecs();
+  if (!codecs) return codecs.error();
+  Arrival arrival;
+  arrival.pixels_max = pixels_max;
+  switch ((*codecs)->read_texture(file.c_str(), format, {&arrival, room_for}, {&arrival, keep_reason})) {
+    case CodecOutcome::done:
+      if (arrival.grey) repeat_grey(arrival.texture);
+      return std::move(arrival.texture);
+    case CodecOutcome::declined:
+      if (arrival.refusal) return std::move(*arrival.refusal);
+      throw std::bad_alloc();
+    case CodecOutcome::no_memory:
+      throw std::bad_alloc();
+    case CodecOutcome::damaged:
+      return refused("damaged: " + arrival.reason);
+    case CodecOutcome::stopped:
+    case CodecOutcome::failed:
+      break;
+  }
+  return api::Error{api::Fault::internal, arrival.reason};
 }
 
 }  // namespace engine

@@ -16,7 +16,8 @@ inline constexpr int kTextureEdgeMax = 8192;  ///< [pixels]
 /// size is judged by the file's header, before any pixel is decoded.
 ///
 /// Error: invalid_request where it is no such file or is damaged, out_of_resources beyond kTextureEdgeMax in
-/// either direction or `pixels_max` in all. As a parameter of load_scene: the default for jobs.
+/// either direction or `pixels_max` in all, internal where the module of codecs cannot be loaded. As a
+/// parameter of load_scene: the default for jobs.
 api::Result<Texture> read_texture(const std::filesystem::path& file, std::size_t pixels_max);
 
 }  // namespace engine

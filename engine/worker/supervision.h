@@ -40,7 +40,8 @@ inline constexpr bool kMemoryCanBeLimited = true;
 
 struct SelfLimits {
   /// Private writable memory (RLIMIT_DATA) beyond what the program holds already: that differs between
-  /// systems, with the libraries that its image library draws in, and is not the job's doing.
+  /// systems and is not the job's doing. What the module of image codecs draws in later, for a job with
+  /// textures, counts: about 100 MB.
   std::uint64_t memory_bytes = 0;
   std::uint64_t processor_seconds = 0;  ///< over all threads; SIGXCPU then, SIGKILL two seconds later
   std::uint64_t file_bytes = 0;         ///< per file written; beyond it writes fail with EFBIG
