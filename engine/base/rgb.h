@@ -28,6 +28,10 @@ inline Rgb operator*(float s, Rgb a) {
 inline Rgb& operator+=(Rgb& a, Rgb b) {
   return a = a + b;
 }
+/// Of each channel the larger.
+inline Rgb max(Rgb a, Rgb b) {
+  return {std::max(a.r, b.r), std::max(a.g, b.g), std::max(a.b, b.b)};
+}
 inline float max_channel(Rgb a) {
   return std::max({a.r, a.g, a.b});
 }

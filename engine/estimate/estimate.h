@@ -16,7 +16,7 @@ struct ReplicateSeries {
   static constexpr std::size_t kOfGroup = 1 + kEstimateReplicates;  ///< mean, then replicates
 
   std::uint32_t patch_count = 0, frame_count = 0, group_count = 0;
-  std::vector<Rgb> values;  ///< [patch][frame][group][mean, then replicates]
+  RgbValues values;  ///< [patch][frame][group][mean, then replicates]
 
   ReplicateSeries() = default;
   ReplicateSeries(std::uint32_t patches, std::uint32_t frames, std::uint32_t groups)

@@ -159,7 +159,9 @@ api::Status Estimator::add_window(std::span<const FrameIndex> window, std::span<
                                   const LineOptions& lines, const Progress& progress) {
   const LitScene scene = lit();
   const auto slots = static_cast<std::uint32_t>(window.size());
-  const auto traced = trace_lines(scene.patches, *animation_, *static_rays_, window, lines, progress);
+  LineOptions moving = lines;
+  moving.with_static_rows = false;
+  const auto traced = trace_lines(scene.patches, *animation_, *static_rays_, window, moving, progress);
   if (!traced) return traced.error();
   PatchSeries irradiance(scene.patches.count(), slots);
   for (std::uint32_t g = 0; g < sources.size(); ++g) {

@@ -1,65 +1,84 @@
 #include "engine/lighting/carried_rows.h"
 
-#include <cmath>
+#include <algorithm>
+#include <array>
+
+#include "engine/lighting/row_kernels.h"
 
 namespace engine {
+
+namespace {
+
+using Row = std::array<Rgb, kWindowMax>;
+
+}  // namespace
 
 CarriedRows::CarriedRows(const LitScene& lit, const GroupSource& source, const RestLight& rest,
                          std::vector<FrameIndex> frames)
     : lit_(lit), source_(source), rest_(rest), frames_(std::move(frames)) {
+  if (!source_.direct) return;
+  for (const FrameIndex frame : frames_) direct_column_.push_back(source_.column(frame));
+  for (std::uint32_t c = 0; c < columns(); ++c) side_by_side_ &= direct_column_[c] == direct_column_[0] + c;
+}
+
+/// The columns of a series of the direct light, side by side.
+const Rgb* CarriedRows::of_direct(const PatchSeries& series, PatchId patch, Rgb* room) const {
+  const Rgb* row = series.row(patch);
+  if (side_by_side_) return columns() > 0 ? row + direct_column_[0] : row;
+  for (std::uint32_t c = 0; c < columns(); ++c) room[c] = row[direct_column_[c]];
+  return room;
+}
+
+/// S_f + rho_f (X_s + D_f) - subtracted
+void CarriedRows::carry(PatchId patch, const Rgb* difference, Rgb subtracted, Rgb* to) const {
+  if (lit_.has_keyed_reflectance(patch)) return carry_keyed(patch, difference, subtracted, to);
+  const Rgb rho = lit_.reflectance(patch, 0);
+  const std::size_t width = 3 * std::size_t{columns()};
+  Row room{};
+  const Rgb* from_lights = room.data();
   if (source_.direct)
-    for (const FrameIndex frame : frames_) direct_column_.push_back(source_.column(frame));
+    from_lights = of_direct(source_.direct->irradiance_w_m2, patch, room.data());
+  else
+    add_exitance(patch, room.data());
+  reflect_sum(&difference->r, &from_lights->r, RowPattern(rho),
+              RowPattern(source_.direct ? rho : Rgb{1, 1, 1}), RowPattern(rest_.irradiance_w_m2[patch]),
+              RowPattern(subtracted), width, &to->r);
+  if (!source_.noise.empty())
+    add_deviations(&of_direct(source_.direct->variance, patch, room.data())->r,
+                   RowPattern(source_.noise[patch] * rho), width, &to->r);
 }
 
-/// make(column, rho)
-template <class Make>
-void CarriedRows::each(PatchId patch, Make&& make) const {
-  const bool keyed = lit_.has_keyed_reflectance(patch);
-  Rgb rho = lit_.reflectance(patch, 0);
-  for (std::uint32_t c = 0; c < columns(); ++c) {
-    if (keyed) rho = lit_.reflectance(patch, frames_[c]);
-    make(c, rho);
-  }
+void CarriedRows::carry_keyed(PatchId patch, const Rgb* difference, Rgb subtracted, Rgb* to) const {
+  const Rgb rest = rest_.irradiance_w_m2[patch];
+  for (std::uint32_t c = 0; c < columns(); ++c)
+    to[c] = source_.in_frame(lit_, patch, frames_[c]) +
+            lit_.reflectance(patch, frames_[c]) * (rest + difference[c]) - subtracted;
 }
 
-/// To rho_f X: what is emitted, or reflected of the direct light and its noise.
-void CarriedRows::add_source(PatchId patch, Rgb* to) const {
-  if (!source_.direct) {
-    if (lit_.patches.is_back(patch)) return;
-    for (std::uint32_t c = 0; c < columns(); ++c)
-      to[c] += source_.emission->exitance(lit_.material_of(patch), frames_[c]);
-    return;
-  }
-  const Rgb* direct = source_.direct->irradiance_w_m2.row(patch);
-  each(patch, [&](std::uint32_t c, Rgb rho) { to[c] += rho * direct[direct_column_[c]]; });
-  if (source_.noise.empty()) return;
-  const Rgb* variance = source_.direct->variance.row(patch);
-  const float noise = source_.noise[patch];
-  each(patch, [&](std::uint32_t c, Rgb rho) {
-    const Rgb of = variance[direct_column_[c]];
-    to[c] += noise * (rho * Rgb{std::sqrt(of.r), std::sqrt(of.g), std::sqrt(of.b)});
-  });
+/// Where lines carry all light.
+void CarriedRows::add_exitance(PatchId patch, Rgb* to) const {
+  if (lit_.patches.is_back(patch) || !source_.emission->ever_emits(lit_.material_of(patch))) return;
+  for (std::uint32_t c = 0; c < columns(); ++c)
+    to[c] += source_.emission->exitance(lit_.material_of(patch), frames_[c]);
 }
 
 void CarriedRows::radiosity(PatchId patch, const Rgb* difference, Rgb* to) const {
-  const Rgb rest = rest_.irradiance_w_m2[patch];
-  each(patch, [&](std::uint32_t c, Rgb rho) { to[c] = rho * (rest + difference[c]); });
-  add_source(patch, to);
+  carry(patch, difference, {}, to);
 }
 
 void CarriedRows::radiosity_difference(PatchId patch, const Rgb* difference, Rgb* to) const {
-  radiosity(patch, difference, to);
-  const Rgb rest = rest_.radiosity_w_m2[patch];
-  for (std::uint32_t c = 0; c < columns(); ++c) to[c] = to[c] - rest;
+  carry(patch, difference, rest_.radiosity_w_m2[patch], to);
 }
 
 void CarriedRows::reflected(PatchId patch, const Rgb* difference, Rgb* to) const {
-  each(patch, [&](std::uint32_t c, Rgb rho) { to[c] = rho * difference[c]; });
+  for (std::uint32_t c = 0; c < columns(); ++c) to[c] = lit_.reflectance(patch, frames_[c]) * difference[c];
 }
 
 float CarriedRows::largest_reflectance(PatchId patch) const {
+  if (!lit_.has_keyed_reflectance(patch)) return max_channel(lit_.reflectance(patch, 0));
   float largest = 0;
-  each(patch, [&](std::uint32_t, Rgb rho) { largest = std::max(largest, max_channel(rho)); });
+  for (const FrameIndex frame : frames_)
+    largest = std::max(largest, max_channel(lit_.reflectance(patch, frame)));
   return largest;
 }
 

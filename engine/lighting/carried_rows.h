@@ -29,15 +29,17 @@ class CarriedRows {
   float largest_reflectance(PatchId patch) const;
 
  private:
-  template <class Make>
-  void each(PatchId patch, Make&& make) const;
-  void add_source(PatchId patch, Rgb* to) const;
+  const Rgb* of_direct(const PatchSeries& series, PatchId patch, Rgb* room) const;
+  void carry(PatchId patch, const Rgb* difference, Rgb subtracted, Rgb* to) const;
+  void carry_keyed(PatchId patch, const Rgb* difference, Rgb subtracted, Rgb* to) const;
+  void add_exitance(PatchId patch, Rgb* to) const;
 
   const LitScene& lit_;
   const GroupSource source_;
   const RestLight& rest_;
   std::vector<FrameIndex> frames_;
   std::vector<std::uint32_t> direct_column_;  ///< [column], in source_.direct
+  bool side_by_side_ = true;                  ///< direct_column_ counts up
 };
 
 }  // namespace engine

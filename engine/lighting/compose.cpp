@@ -72,7 +72,7 @@ void add_direct(std::span<const LitGroup* const> groups, std::span<const FrameIn
 /// E + rho H in place of H.
 void make_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
                     std::span<const FrameIndex> frames, PatchId patch, Rgb* row) {
-  each_reflectance(lit, patch, frames, [&](std::uint32_t k, Rgb rho) { row[k] = rho * row[k]; });
+  each_reflectance(lit, patch, frames, [&](std::uint32_t k, Rgb rho) { row[k] = rho * max(row[k], Rgb{}); });
   for (const LitGroup* group : groups) {
     if (lit.patches.is_back(patch) || !group->group.emission.ever_emits(lit.material_of(patch))) continue;
     for (std::uint32_t k = 0; k < frames.size(); ++k)

@@ -25,8 +25,9 @@ std::vector<const LitGroup*> pointers_to(const std::vector<LitGroup>& groups);
 void add_direct_irradiance(std::span<const LitGroup* const> groups, std::span<const FrameIndex> frames,
                            PatchSeries& sum);
 
-/// B = E + rho H, in place: H, all the irradiance that arrives, becomes B  [W/m^2]. 0 in frames where the
-/// patch's object is not there.
+/// B = E + rho max(0, H), in place: H, all the irradiance that arrives, becomes B  [W/m^2]. 0 in frames where
+/// the patch's object is not there. Of a patch that something moving covers, H is the difference of two
+/// estimates and may come out below 0.
 void to_radiosity(const LitScene& lit, std::span<const LitGroup* const> groups,
                   std::span<const FrameIndex> frames, PatchSeries& irradiance);
 

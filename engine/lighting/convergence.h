@@ -11,12 +11,14 @@
 
 namespace engine {
 
-/// Largest change of a channel. Changes within the rounding of the value itself would go on for ever.
+/// Changes within the rounding of the value itself, two units in the last place, would go on for ever.
+inline constexpr float kRoundingOfValue = 2.4e-7f;
+
+/// Largest change of a channel that is more.
 inline float largest_change(Rgb before, Rgb after) {
-  constexpr float kRounding = 2.4e-7f;  // two units in the last place
   const auto change = [](float b, float a) {
     const float by = std::abs(a - b);
-    return by > kRounding * std::abs(a) ? by : 0.0f;
+    return by > kRoundingOfValue * std::abs(a) ? by : 0.0f;
   };
   return std::max({change(before.r, after.r), change(before.g, after.g), change(before.b, after.b)});
 }

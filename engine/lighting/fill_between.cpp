@@ -1,6 +1,7 @@
 #include <array>
 
 #include "engine/interpolate/interpolate.h"
+#include "engine/lighting/carried_rows.h"
 #include "engine/lighting/solve_difference.h"
 
 namespace engine {
@@ -40,6 +41,8 @@ api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& 
   const Columns all = Columns::every(static_cast<std::uint32_t>(window.frames.size()));
   const SampledOperator sampled(window.lines);
   const PatchSeries carried = carried_in_every_slot(window, all, solved.carried_w_m2, interpolator);
+  const CarriedRows rows(window.lit, window.source, window.rest,
+                         {window.frames.begin(), window.frames.end()});
   PatchSeries radiosity(difference.patch_count, difference.frame_count);  // R_s + r: all that lines carry
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     // What no moving object changes is as it was after the first sweep.
@@ -48,20 +51,13 @@ api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& 
     };
     for_each_patch(radiosity.patch_count, {}, [&](PatchId patch) {
       if (is_done(patch)) return;
-      for (std::uint32_t slot = 0; slot < all.count(); ++slot) {
-        const FrameIndex frame = window.frames[slot];
-        const Rgb arriving = window.rest.irradiance_w_m2[patch] + difference.at(patch, slot);
-        radiosity.at(patch, slot) = window.source.in_frame(window.lit, patch, frame) +
-                                    window.lit.reflectance(patch, frame) * arriving;
-      }
+      rows.radiosity(patch, difference.row(patch), radiosity.row(patch));
     });
     const bool went_on = for_each_patch(radiosity.patch_count, progress, [&](PatchId patch) {
       if (is_done(patch)) return;
       Rgb* row = difference.row(patch);
       std::copy_n(carried.row(patch), all.count(), row);
       sampled.add_moving(radiosity, all, patch, row);
-      for (std::uint32_t c = 0; c < columns.count(); ++c)
-        row[columns.slot(c)] = solved.irradiance_w_m2.at(patch, c);
     });
     if (!went_on) return api::Error{api::Fault::stopped, "stopped while filling the frames between"};
     progress.report((sweep + 1.0) / kSweeps);

@@ -42,6 +42,11 @@ inline void add_exchange(const SlotExchange& exchange, const Columns& columns, R
     sum[c] += weight * (rest + from[c]);
 }
 
+/// Asks memory for the first of what add_exchange reads: senders are all over the scene.
+inline void fetch(const PatchSeries& b, const Columns& columns, const SlotExchange& exchange) {
+  __builtin_prefetch(b.row(exchange.sender) + columns.begin_of(exchange.first_slot));
+}
+
 /// T_f = T_s + M_f, sampled by lines and divided by actual crossings:
 ///
 ///     (T_f b)_i = 1 / n_i,f  sum_j n_ij,f b_j                                [W/m^2]

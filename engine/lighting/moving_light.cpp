@@ -31,9 +31,14 @@ void MovingLight::gather_from_rest(const PatchSeries& r) {
   for_each_patch(from_rest_.patch_count, {}, [&](std::uint32_t k) {
     Rgb* sum = from_rest_.row(k);
     std::fill_n(sum, columns_.count(), Rgb{});
-    for (const SlotExchange& exchange : lines_.moving_rows.row(patches_[k]))
+    constexpr std::size_t kAhead = 8;
+    const auto exchanges = lines_.moving_rows.row(patches_[k]);
+    for (std::size_t e = 0; e < exchanges.size(); ++e) {
+      const SlotExchange& exchange = exchanges[e];
+      if (e + kAhead < exchanges.size()) fetch(r, columns_, exchanges[e + kAhead]);
       if (row_of[exchange.sender] == kNoPatch)
         add_exchange(exchange, columns_, rest_radiosity_[exchange.sender], r.row(exchange.sender), sum);
+    }
   });
 }
 

@@ -4,17 +4,20 @@
 #include <cstddef>
 #include <vector>
 
+#include "engine/base/large_pages.h"
 #include "engine/base/rgb.h"
 #include "engine/patches/patches.h"
 
 namespace engine {
+
+using RgbValues = std::vector<Rgb, LargePageAllocator<Rgb>>;
 
 /// One Rgb per patch and frame (or key-frame, or slot), the frames of a patch side by side: radiosity, the
 /// irradiance that arrives, or what of it is reflected; the name of the variable says which.  [W/m^2]
 struct PatchSeries {
   std::uint32_t patch_count = 0;
   std::uint32_t frame_count = 0;
-  std::vector<Rgb> values;  ///< [patch][frame]
+  RgbValues values;  ///< [patch][frame]
 
   PatchSeries() = default;
   PatchSeries(std::uint32_t patches, std::uint32_t frames)

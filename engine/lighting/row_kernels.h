@@ -1,10 +1,12 @@
 // The inner loops of the gather: sums of rows of frames. Internal to engine/lighting.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "engine/base/rgb.h"
 #include "engine/lines/trace_lines.h"
 
 namespace engine {
@@ -16,5 +18,26 @@ void add_rows(float* sum, const float* rows, std::size_t width, std::span<const 
 
 /// to[k] += factor * from[k], k in [0, width).
 void add_scaled(float* to, const float* from, float factor, std::size_t width);
+
+/// A colour over and over, as rows have their channels: a multiple of 3 and of the lanes of any register.
+struct RowPattern {
+  static constexpr std::size_t kCount = 48;
+  alignas(64) std::array<float, kCount> values;
+  explicit RowPattern(Rgb colour) {
+    for (std::size_t k = 0; k < kCount; k += 3)
+      values[k] = colour.r, values[k + 1] = colour.g, values[k + 2] = colour.b;
+  }
+};
+
+/// to[k] = (rho * (a[k] + rest) + factor * b[k]) - subtracted, k in [0, width): in this order, so that what
+/// the scene at rest is made of the same way is left as 0. `to` may be a or b.
+void reflect_sum(const float* a, const float* b, const RowPattern& rho, const RowPattern& factor,
+                 const RowPattern& rest, const RowPattern& subtracted, std::size_t width, float* to);
+
+/// to[k] += factor * sqrt(variance[k]), k in [0, width).
+void add_deviations(const float* variance, const RowPattern& factor, std::size_t width, float* to);
+
+/// sum[k] += share * (after[k] - before[k]), k in [0, width); answers the largest change (largest_change).
+float add_changes(const float* before, const float* after, float share, std::size_t width, float* sum);
 
 }  // namespace engine

@@ -7,7 +7,7 @@
 namespace engine {
 namespace {
 
-Scale scale_of(const Patches& patches, const std::vector<Rgb>& values, const std::vector<Rgb>& reflectance) {
+Scale scale_of(const Patches& patches, const RgbValues& values, const std::vector<Rgb>& reflectance) {
   double sum = 0, area = 0, largest = 0, rho = 0;
   for (PatchId patch = 0; patch < patches.count(); ++patch) {
     const double value = max_channel(values[patch]);
@@ -27,7 +27,7 @@ api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& 
   const SampledOperator sampled(lines);
   const CoarseExchange coarse(patches, lines, reflectance);
   PatchSeries radiosity(patches.count(), 1);
-  radiosity.values = source_w_m2;
+  radiosity.values.assign(source_w_m2.begin(), source_w_m2.end());
   RestLight light;
   light.irradiance_w_m2.resize(patches.count());
   const auto reflected = [&](PatchId patch) {

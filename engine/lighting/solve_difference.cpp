@@ -7,6 +7,7 @@
 #include "engine/lighting/coarse_exchange.h"
 #include "engine/lighting/convergence.h"
 #include "engine/lighting/moving_light.h"
+#include "engine/lighting/row_kernels.h"
 
 namespace engine {
 namespace {
@@ -102,10 +103,8 @@ class DifferenceSolver {
     moving_lines_.add_moving(window_.rest.radiosity_w_m2, r_, columns_, patch, arriving);
     std::array<Rgb, kWindowMax> next;
     rows_.radiosity_difference(patch, arriving, next.data());
-    const Rgb* now = r_.row(patch);
-    for (std::uint32_t c = 0; c < columns_.count(); ++c)
-      residual_of_group[c] += coarse_.share(patch) * (next[c] - now[c]);
-    return largest_change(now, next.data(), columns_.count());
+    return add_changes(&r_.row(patch)->r, &next[0].r, coarse_.share(patch), 3 * std::size_t{columns_.count()},
+                       &residual_of_group->r);
   }
 
   void carry_on(PatchId patch) {

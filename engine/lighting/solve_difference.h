@@ -51,7 +51,8 @@ api::Result<DifferenceLight> solve_difference(const WindowScene& window, const C
 ///
 ///     D_f = M_f R_f + T_s s_f + Y_f
 ///
-/// swept four times, from the solved D_f interpolated. So what moving objects cut, receive and send, and the
+/// swept four times, from the solved D_f interpolated; in solved slots it is D_f again, within what the
+/// iterations have left. So what moving objects cut, receive and send, and the
 /// first bounce of what they change of the direct light, is gathered in every frame; interpolated is only
 /// what surfaces at rest have reflected at least twice. Error: stopped.
 api::Result<PatchSeries> fill_between(const WindowScene& window, const Columns& columns,

@@ -81,8 +81,15 @@ api::Result<TracedLines> trace_lines(const Patches& patches, const Animation& an
   traced.counts.local_lines = add_local_rays(scene, options, traced.crossings, chunks, stopped, progress);
   if (stopped) return api::Error{api::Fault::stopped, "stopped while tracing lines"};
 
-  traced.static_rows =
-      build_rows(patches.count(), chunks.blocks, chunks.pairs, &traced.crossings.static_count);
+  if (options.with_static_rows) {
+    traced.static_rows =
+        build_rows(patches.count(), chunks.blocks, chunks.pairs, &traced.crossings.static_count);
+  } else {
+    traced.crossings.static_count = count_rows(patches.count(), chunks.blocks, chunks.pairs);
+    traced.static_rows.begin.assign(patches.count(), 0);
+    traced.static_rows.end.assign(patches.count(), 0);
+    chunks.pairs.clear();
+  }
   traced.moving_rows = build_rows(patches.count(), chunks.blocks, chunks.changes, nullptr);
   return traced;
 }

@@ -128,6 +128,8 @@ struct LineOptions {
   /// rest, and patches that move, in every slot.  [crossings]
   std::uint32_t static_crossings_min = 1;
   std::uint32_t moving_crossings_min = 8;
+  /// False: static_rows stay empty, crossings are counted all the same.
+  bool with_static_rows = true;
 };
 
 /// Traces `options.line_count` global lines through all poses of the window `frames` (0 .. kWindowMax frames,

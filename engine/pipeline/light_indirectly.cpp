@@ -156,7 +156,8 @@ class IndirectSolver {
                (1 - kRestShare) * (static_cast<double>(w) + part) / static_cast<double>(all.size());
       };
       auto lines = trace_lines(lit_.patches, lit_.animation, lit_.static_rays, all[w],
-                               {moving_lines_, seed()}, part_of(progress, share(0), share(kTracingShare)));
+                               {.line_count = moving_lines_, .seed = seed(), .with_static_rows = false},
+                               part_of(progress, share(0), share(kTracingShare)));
       if (!lines) return lines.error();
       count(*lines, counts);
       WindowSolver window(lit_, groups_, sources_, *rests, *transport, all[w], std::move(*lines));

@@ -26,7 +26,7 @@ using tests::options_with;
 
 /// What an estimate comes to.
 struct Outcome {
-  std::vector<Rgb> radiosity, interpolated;
+  RgbValues radiosity, interpolated;
   std::uint64_t line_count = 0;
   bool operator==(const Outcome&) const = default;
 };

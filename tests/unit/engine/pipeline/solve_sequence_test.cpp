@@ -259,9 +259,9 @@ TEST(SolveSequence, FrameByFrameIsTheReferenceWithinTheNoise) {
   EXPECT_NEAR(sum_a / sum_b, 1, 3 * (*reference.report.noise + *alone.report.noise) / std::sqrt(8));
 }
 
-// The same lines for all, the same samples, and nothing that moves: only the noise of direct light takes
-// another way, at rest or as a difference, each of them within kIterationError of the mean B, and rounding
-// (4e-6 twice, and as much).
+// The same lines for all, the same samples, and nothing that moves: each within kIterationError of the mean
+// B. Where standard errors are wanted, the noise of direct light takes another way, at rest or as a
+// difference with lines of its own.
 TEST(SolveSequence, OfAStaticSceneFrameByFrameIsTheReference) {
   const LitRoom moving(4);
   const tests::World room(
@@ -274,6 +274,7 @@ TEST(SolveSequence, OfAStaticSceneFrameByFrameIsTheReference) {
       1.0);
   api::LightingOptions options = quick_options(LightingMode::reference);
   options.moving_line_count = options.line_count;
+  options.standard_errors = false;
   const Solution reference = solve(room.lit(), options);
   options.mode = LightingMode::frame_by_frame;
   const Solution alone = solve(room.lit(), options);
@@ -287,7 +288,6 @@ TEST(SolveSequence, OfAStaticSceneFrameByFrameIsTheReference) {
     return by;
   };
   EXPECT_LE(largest(reference.sequence.radiosity_w_m2, alone.sequence.radiosity_w_m2), allowed);
-  EXPECT_LE(largest(*standard_error_of(reference.sequence), *standard_error_of(alone.sequence)), allowed);
 }
 
 TEST(SolveSequence, TheReferenceSolvesEveryFrameAndInterpolatesNone) {
