@@ -10,7 +10,7 @@
 
 namespace engine {
 
-using RgbValues = std::vector<Rgb, LargePageAllocator<Rgb>>;
+using RgbValues = std::vector<Rgb, ZeroedLargePages<Rgb>>;
 
 /// One Rgb per patch and frame (or key-frame, or slot), the frames of a patch side by side: radiosity, the
 /// irradiance that arrives, or what of it is reflected; the name of the variable says which.  [W/m^2]

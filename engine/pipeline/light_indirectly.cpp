@@ -378,7 +378,8 @@ class IndirectSolver {
 
 std::uint32_t replicates_of(const api::LightingOptions& options) {
   const std::uint64_t needed = (options.line_count + kLinesPerReplicateMax - 1) / kLinesPerReplicateMax;
-  return std::max(static_cast<std::uint32_t>(needed), wants_errors(options) ? kReplicatesMin : 1);
+  const std::uint32_t least = wants_errors(options) ? kReplicatesMin : splits(options) ? 2 : 1;
+  return std::max(static_cast<std::uint32_t>(needed), least);
 }
 
 bool fills_between(const api::LightingOptions& options) {

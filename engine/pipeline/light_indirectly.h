@@ -17,7 +17,8 @@
 namespace engine {
 
 /// Replicates that a job begins with: no fewer than its lines need, and kReplicatesMin where errors are
-/// wanted (wants_errors). The same in every mode, so that all modes share their lines.
+/// wanted (wants_errors): then the same in every mode, so that all modes share their lines. Where they are
+/// not, one; two in mode `default`, whose checks must know what is noise.
 std::uint32_t replicates_of(const api::LightingOptions& options);
 
 /// Replicates at most, where a target error asks for more and more.

@@ -50,7 +50,7 @@ double difference(const tests::World& room, const Solution& solution, const Solu
 TEST(InterpolatedFrames, SolvedFramesAreThoseOfTheReferenceAndOthersNearThem) {
   const LitRoom room(40);
   api::LightingOptions options = quick_options();
-  options.standard_errors = false;
+  options.standard_errors = true;  // then all modes share their lines
   const Solution solution = solve(room.lit(), options);
   options.mode = LightingMode::reference;
   const Solution reference = solve(room.lit(), options);
@@ -131,7 +131,7 @@ TEST(InterpolatedFrames, AThingThatPassesThroughWallsTakesNoLightAlong) {
 TEST(InterpolatedFrames, TheToleranceIsKeptWhereAThingPassesThroughWallsOrTheReportSaysSo) {
   const TwoRooms room;
   api::LightingOptions options = quick_options(LightingMode::reference);
-  options.standard_errors = false;
+  options.standard_errors = true;  // as above
   options.line_count = options.moving_line_count = 64'000;
   const Solution reference = solve(room.lit(), options);
   options.mode = LightingMode::standard;
@@ -234,7 +234,7 @@ struct SlowRoom : tests::World {
 TEST(InterpolatedFrames, WindowsOfManyFramesShareAKeyAndLeaveNoSeam) {
   const SlowRoom room;
   api::LightingOptions options = quick_options(LightingMode::reference);
-  options.standard_errors = false;
+  options.standard_errors = true;  // as above
   options.line_count = options.moving_line_count = 30'000;
   options.samples_per_light = 128;  // shadows that pass one of few samples come in steps
   options.tolerance = 0.2;
