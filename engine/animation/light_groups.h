@@ -23,6 +23,11 @@ struct LightGroup {
   std::vector<Rgb> scale;  ///< [frame], or one; per channel, 0 .. 1, or 1 throughout
 };
 
+/// Does its emission say all?
+inline bool is_unscaled(const LightGroup& group) {
+  return group.scale.size() == 1 && group.scale[0] == Rgb{1, 1, 1};
+}
+
 /// Curves of brightness that are factored out at most; where the lights of a scene have more, those beyond
 /// stay as they are, with scale 1: each group is a solution of its own and costs as much.
 inline constexpr std::size_t kScaledGroupsMax = 3;

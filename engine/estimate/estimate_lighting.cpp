@@ -132,7 +132,8 @@ api::Status Estimator::add_replicate(const Progress& progress) {
   const auto rests = light_at_rest(lit(), all, lines, uncounted, part_of(progress, 0, kRestShare));
   if (!rests) return rests.error();
 
-  const LineOptions fewer{rest_transport_lines(lines.line_count), lines.seed};
+  const LineOptions fewer{
+      rest_transport_lines(lines.line_count, lines.line_count, estimate_->patches.count()), lines.seed};
   const auto transport = rest_transport(lit(), fewer, part_of(progress, kRestShare, kRestShare));
   if (!transport) return transport.error();
 

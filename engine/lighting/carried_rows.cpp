@@ -9,7 +9,15 @@ namespace engine {
 
 namespace {
 
-using Row = std::array<Rgb, kWindowMax>;
+/// Not written before it is needed: of few columns most of it never is.
+struct Row {
+  Row() {}
+  Rgb* data() { return &first; }
+  union {
+    Rgb first;
+    std::array<Rgb, kWindowMax> values;
+  };
+};
 
 }  // namespace
 
@@ -34,18 +42,20 @@ void CarriedRows::carry(PatchId patch, const Rgb* difference, Rgb subtracted, Rg
   if (lit_.has_keyed_reflectance(patch)) return carry_keyed(patch, difference, subtracted, to);
   const Rgb rho = lit_.reflectance(patch, 0);
   const std::size_t width = 3 * std::size_t{columns()};
-  Row room{};
+  Row room;
   const Rgb* from_lights = room.data();
-  if (source_.direct)
+  if (source_.direct) {
     from_lights = of_direct(source_.direct->irradiance_w_m2, patch, room.data());
-  else
+  } else {
+    std::fill_n(room.data(), columns(), Rgb{});
     add_exitance(patch, room.data());
-  reflect_sum(&difference->r, &from_lights->r, RowPattern(rho),
-              RowPattern(source_.direct ? rho : Rgb{1, 1, 1}), RowPattern(rest_.irradiance_w_m2[patch]),
-              RowPattern(subtracted), width, &to->r);
+  }
+  const auto pattern = [&](Rgb colour) { return RowPattern(colour, width); };
+  reflect_sum(&difference->r, &from_lights->r, pattern(rho), pattern(source_.direct ? rho : Rgb{1, 1, 1}),
+              pattern(rest_.irradiance_w_m2[patch]), pattern(subtracted), width, &to->r);
   if (!source_.noise.empty())
     add_deviations(&of_direct(source_.direct->variance, patch, room.data())->r,
-                   RowPattern(source_.noise[patch] * rho), width, &to->r);
+                   pattern(source_.noise[patch] * rho), width, &to->r);
 }
 
 void CarriedRows::carry_keyed(PatchId patch, const Rgb* difference, Rgb subtracted, Rgb* to) const {

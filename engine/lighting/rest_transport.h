@@ -1,6 +1,8 @@
 // T_s as what differs from the scene at rest needs it.
 #pragma once
 
+#include <algorithm>
+
 #include "engine/lighting/coarse_exchange.h"
 #include "engine/lighting/lit_scene.h"
 
@@ -19,9 +21,13 @@ struct RestTransport {
 };
 
 /// Lines of T_s for so many lines that see what moves: with half of them the variance that T_s adds was an
-/// eighth of what moving objects make, and iterations were as few as with all.
-inline std::uint64_t rest_transport_lines(std::uint64_t moving_lines) {
-  return (moving_lines + 1) / 2;
+/// eighth of what moving objects make, and iterations were as few as with all. But some ten crossings per
+/// patch, as far as there are `static_lines`: patches that lines show only each other pass their light to and
+/// fro for long.
+inline std::uint64_t rest_transport_lines(std::uint64_t moving_lines, std::uint64_t static_lines,
+                                          std::uint32_t patches) {
+  constexpr std::uint64_t kLinesPerPatch = 5;
+  return std::max((moving_lines + 1) / 2, std::min(static_lines, kLinesPerPatch * patches));
 }
 
 /// Traces and sums up. Error: stopped.

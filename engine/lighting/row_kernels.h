@@ -1,6 +1,7 @@
 // The inner loops of the gather: sums of rows of frames. Internal to engine/lighting.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -23,8 +24,9 @@ void add_scaled(float* to, const float* from, float factor, std::size_t width);
 struct RowPattern {
   static constexpr std::size_t kCount = 48;
   alignas(64) std::array<float, kCount> values;
-  explicit RowPattern(Rgb colour) {
-    for (std::size_t k = 0; k < kCount; k += 3)
+  /// For rows of `width` values: of short ones no more is written.
+  RowPattern(Rgb colour, std::size_t width) {
+    for (std::size_t k = 0; k < std::min(kCount, width); k += 3)
       values[k] = colour.r, values[k + 1] = colour.g, values[k + 2] = colour.b;
   }
 };

@@ -10,6 +10,7 @@
 #include "engine/base/sobol.h"
 #include "engine/direct/light_sampling.h"
 #include "engine/lines/global_line.h"
+#include "engine/pipeline/light_indirectly.h"
 #include "engine/visibility/ray_scene.h"
 
 namespace engine {
@@ -174,6 +175,7 @@ JobSize size_of_job(const api::JobRequest& request, const Scene& scene, const An
   size.lines = static_cast<double>(lighting.line_count);
   size.moving_lines = static_cast<double>(lighting.moving_line_count);
   size.estimate_lines = static_cast<double>(lighting.estimate_line_count);
+  size.replicates = replicates_of(lighting);
   size.crossings_per_line = 2 * surfaces.area_m2 / box_surface_m2(scene);
   size.bounces = expected_bounces(surfaces.reflected_m2 / surfaces.area_m2);
   for (const api::ImageOptions& image : request.images) {

@@ -22,6 +22,7 @@ struct JobSize {
   double lights = 0;         ///< emitting facets, and lights without a surface
   double light_samples = 0;  ///< shadow rays per patch and light
   double lines = 0, moving_lines = 0, estimate_lines = 0;
+  double replicates = 1;          ///< that the lines come in
   double crossings_per_line = 0;  ///< surfaces that a global line meets, on average
   double bounces = 1;             ///< iterations of the solution
   double pixels = 0;              ///< of all images in all frames

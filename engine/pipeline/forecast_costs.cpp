@@ -33,14 +33,16 @@ double estimate_direct_s(const JobSize& n, const MachinePace& m) {
 /// are added, up to eight times as many in all; the scenes where that is so cannot be told beforehand.
 double estimate_lines_s(const JobSize& n, const MachinePace& m) {
   if (n.coarse_patches == 0 || n.frames == 1) return 1e-3;
-  return 8 * n.estimate_lines * m.line_s + 2.4 * updates(n, n.estimate_lines, n.frames) * m.update_s;
+  return 5 * n.estimate_lines * m.line_s + 1.6 * updates(n, n.estimate_lines, n.frames) * m.update_s;
 }
 
-/// What moves is traced in every frame and solved as a difference in those that are solved, for each of the
-/// parts that the lines come in.
+/// What moves is traced in every frame and solved as a difference in those that are solved, by some eight
+/// iterations for each replicate.
 double difference_s(const JobSize& n, const MachinePace& m) {
-  const double frames = n.frames + 3 * n.solved_frames;
-  return n.moving_share > 0 ? 61 * n.bounces * n.patches * frames * m.update_s : 0;
+  if (n.moving_share == 0) return 0;
+  const double rows = 0.8 * n.moving_lines * n.crossings_per_line + 4 * n.replicates * n.patches;
+  return 8 * rows * n.solved_frames * m.update_s + 12 * n.replicates * n.patches * n.frames * m.update_s +
+         1.6 * n.moving_lines * m.line_s;
 }
 
 constexpr std::array kCosts{
@@ -49,14 +51,15 @@ constexpr std::array kCosts{
     Cost{Stage::keyframes, true, [](auto& n, auto& m) { return estimate_lines_s(n, m); }},
     Cost{Stage::direct, true,
          [](auto& n, auto& m) {
-           const double rays = 1.5 * n.patches * n.lights * n.light_samples;
-           return rays * (1 + 0.06 * n.frames) * m.ray_s + 2 * n.patches * n.lights * n.frames * m.update_s;
+           const double rays = 0.5 * n.patches * n.lights * n.light_samples;
+           return rays * (1 + 0.06 * n.frames) * m.ray_s + 0.6 * n.patches * n.lights * n.frames * m.update_s;
          }},
     // The scene at rest is solved once, whatever the frames.
     Cost{Stage::solve, true,
          [](auto& n, auto& m) {
-           return 0.36 + 2.1 * n.lines * m.line_s + 10 * n.lines * n.crossings_per_line * m.update_s +
-                  0.8 * updates(n, n.lines, 1) * m.update_s + difference_s(n, m);
+           const double of_patches = 3500 * n.replicates * n.patches;  // groups, lines of their own, checks
+           return 0.02 * n.replicates + 0.35 * n.lines * m.line_s + of_patches * m.update_s +
+                  27 * n.lines * n.crossings_per_line * m.update_s + difference_s(n, m);
          }},
     Cost{Stage::interpolate, false, [](auto& n, auto& m) { return 12 * n.patches * n.frames * m.update_s; }},
     Cost{Stage::images, true,
@@ -72,15 +75,12 @@ constexpr std::array kCosts{
 
 constexpr double kRgbBytes = 12;
 
-/// The program itself, its libraries and thread stacks.
-constexpr double kProgramBytes = 125e6;
+/// The program itself, its libraries and thread stacks; 100 MB more where EXR or textures are asked for.
+constexpr double kProgramBytes = 25e6;
 
 double series_bytes(double patches, double frames) {
   return kRgbBytes * patches * frames;
 }
-
-/// Lines are traced and solved in so many parts, one after the other.
-constexpr double kReplicatesHeld = 8;
 
 /// What a traced line keeps: its crossings, and the rows that are made of them.
 double traced_bytes(const JobSize& size, double lines) {
@@ -93,7 +93,7 @@ double estimate_bytes(const JobSize& n) {
 }
 double solve_bytes(const JobSize& n) {
   return series_bytes(n.patches, n.frames) + 3 * series_bytes(n.patches, n.solved_frames) +
-         traced_bytes(n, n.lines / kReplicatesHeld);
+         traced_bytes(n, n.lines / n.replicates);
 }
 double compose_bytes(const JobSize& n) {
   return (2 + n.series) * series_bytes(n.patches, n.frames) + series_bytes(n.patches, n.solved_frames);

@@ -46,11 +46,6 @@ void blend(const PatchSeries& part, std::uint32_t skip, std::uint32_t first, std
   });
 }
 
-/// Is the group as bright as it is in every frame?
-bool is_one(const std::vector<Rgb>& scale) {
-  return scale.size() == 1 && scale[0] == Rgb{1, 1, 1};
-}
-
 class IndirectSolver {
  public:
   IndirectSolver(const LitScene& lit, const std::vector<LitGroup>& groups,
@@ -143,8 +138,9 @@ class IndirectSolver {
     const auto rests =
         light_at_rest(lit_, sources_, {static_lines_, seed()}, counts, part_of(progress, 0, kRestShare));
     if (!rests) return rests.error();
-    const auto transport = rest_transport(lit_, {rest_transport_lines(moving_lines_), seed()},
-                                          part_of(progress, kRestShare, kRestShare));
+    const auto transport = rest_transport(
+        lit_, {rest_transport_lines(moving_lines_, static_lines_, lit_.patches.count()), seed()},
+        part_of(progress, kRestShare, kRestShare));
     if (!transport) return transport.error();
     const std::vector<Frames> all = windows();
     mean_->begin();
@@ -221,7 +217,7 @@ class IndirectSolver {
       auto of_group = everywhere ? window.in_every_frame(g, options_.interpolation, of_this)
                                  : api::Result<PatchSeries>(window.take_at_solved(g));
       if (!of_group) return of_group.error();
-      if (groups_.size() == 1 && is_one(groups_[g].group.scale)) {
+      if (groups_.size() == 1 && is_unscaled(groups_[g].group)) {
         light.push_back(std::move(*of_group));
         break;
       }
