@@ -10,7 +10,7 @@
 namespace engine {
 
 /// Lines of one replicate at most: bounds the memory that lines take, whatever their number.
-inline constexpr std::uint64_t kLinesPerReplicateMax = 8'000'000;
+inline constexpr std::uint64_t kLinesPerReplicateMax = 4'000'000;
 
 /// Patches that are there and that no line met: they got no indirect light. Over all frames and replicates.
 struct EmptyRows {
