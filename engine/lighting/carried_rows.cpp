@@ -12,9 +12,8 @@ namespace {
 /// Not written before it is needed: of few columns most of it never is.
 struct Row {
   Row() {}
-  Rgb* data() { return &first; }
+  Rgb* data() { return values.data(); }
   union {
-    Rgb first;
     std::array<Rgb, kWindowMax> values;
   };
 };
