@@ -57,7 +57,8 @@ constexpr std::array kCosts{
     // The scene at rest is solved once, whatever the frames.
     Cost{Stage::solve, true,
          [](auto& n, auto& m) {
-           const double of_patches = 3500 * n.replicates * n.patches;  // groups, lines of their own, checks
+           // Groups, lines of their own, rows too short for vectors.
+           const double of_patches = (1500 + 250 * std::min(n.frames, 24.0)) * n.replicates * n.patches;
            return 0.02 * n.replicates + 0.35 * n.lines * m.line_s + of_patches * m.update_s +
                   27 * n.lines * n.crossings_per_line * m.update_s + difference_s(n, m);
          }},
@@ -76,7 +77,7 @@ constexpr std::array kCosts{
 constexpr double kRgbBytes = 12;
 
 /// The program itself, its libraries and thread stacks; 100 MB more where EXR or textures are asked for.
-constexpr double kProgramBytes = 25e6;
+constexpr double kProgramBytes = 20e6;
 
 double series_bytes(double patches, double frames) {
   return kRgbBytes * patches * frames;
@@ -84,7 +85,7 @@ double series_bytes(double patches, double frames) {
 
 /// What a traced line keeps: its crossings, and the rows that are made of them.
 double traced_bytes(const JobSize& size, double lines) {
-  return 16 * lines * size.crossings_per_line;
+  return 10 * lines * size.crossings_per_line;
 }
 
 /// Held at once while the estimate is made, the sequence solved, or put together and shown.
@@ -111,7 +112,7 @@ StageSeconds forecast_seconds(const JobSize& size, const MachinePace& pace) {
 
 std::uint64_t forecast_memory_bytes(const JobSize& size) {
   const double always = kProgramBytes + 400 * size.polygons + 1200 * size.facets + 16 * size.patches;
-  const double images = size.pixels > 0 ? 20e6 : 0;
+  const double images = size.pixels > 0 ? 8e6 : 0;
   const double most = std::max({estimate_bytes(size), solve_bytes(size), compose_bytes(size) + images});
   return static_cast<std::uint64_t>(always + most);
 }

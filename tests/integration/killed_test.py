@@ -166,7 +166,7 @@ class GoesOn(unittest.TestCase):
                 self.assertFalse((job / "checkpoint").exists())
 
     def test_images_that_are_finished_are_not_rendered_again(self):
-        options = {"frames": 24, "width": 480, "height": 270, "line_count": 20_000, "moving_line_count": 20_000}
+        options = {"frames": 96, "width": 960, "height": 540, "line_count": 20_000, "moving_line_count": 20_000}
         whole, job = self.job("whole", **options), self.job("job", **options)
         self.assertEqual(count_of(self.finish(whole), "resumed_images"), 0)
         self.cut_off(job, lambda line: line["stage"] == "images" and line["stage_fraction"] > 0.2, signal.SIGKILL)
