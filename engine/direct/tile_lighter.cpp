@@ -134,14 +134,14 @@ void TileLighter::add_light(const Sight& sight, std::uint64_t cells) {
   own_.stream = sight.light->stream;
   std::uint64_t open = 0;
   each_cell(cells, [&](std::uint32_t cell) {
-    add_cell(sight, cell, own_);
+    add_cell(cell, own_);
     if (view_.of(cell) != View::dark) open |= std::uint64_t{1} << cell;
   });
   if (open != 0) descend(sight, 0, nullptr, 0, open);
 }
 
 /// What arrives at a cell whose samples are not needed for that.
-void TileLighter::add_cell(const Sight&, std::uint32_t cell, const Draws& draws) {
+void TileLighter::add_cell(std::uint32_t cell, const Draws& draws) {
   samples_taken_ += std::uint64_t{draws.replicates} * draws.count;
   if (view_.of(cell) != View::apart) return;
   const float factor = view_.factor(cell) * draws.weight;
@@ -180,7 +180,7 @@ void TileLighter::add_drawn_light(const PlacedTile& tile, std::uint32_t cell, co
   for (const LightPose& pose : light.poses) {
     Sight sight;
     if (!see(tile, light, pose, sight) || !view_.look_from(tile, cell, pose, window_.reach_m)) continue;
-    add_cell(sight, cell, draws);
+    add_cell(cell, draws);
     if (view_.of(cell) != View::dark) {
       const ShaftEnd here = tile.end_at(cell, clearance_m(tile.facet().roughness, pose.roughness));
       collect(source(sight), shaft_of(here, sight), shadows_.contents);

@@ -76,7 +76,7 @@ class TileLighter {
   OccluderSource source(const Sight& sight) const;
   void descend(const Sight& sight, std::uint32_t node, const Candidates* of_parent, std::size_t depth,
                std::uint64_t cells);
-  void add_cell(const Sight& sight, std::uint32_t cell, const Draws& draws);
+  void add_cell(std::uint32_t cell, const Draws& draws);
   void shade(const Sight& sight, std::uint64_t cells, const Draws& draws);
 
   /// The samples [first, end) of one replicate.

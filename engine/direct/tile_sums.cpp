@@ -4,16 +4,11 @@
 #include <array>
 #include <bit>
 
+#include "engine/base/add_scaled.h"
 #include "engine/base/widest.h"
 
 namespace engine {
 namespace {
-
-/// row[k] += brightness[k] * factor
-KEYLUME_WIDEST
-void add_scaled(const float* brightness, float factor, std::size_t count, float* row) {
-  for (std::size_t k = 0; k < count; ++k) row[k] += brightness[k] * factor;
-}
 
 /// row[k] += brightness[k] * factors[k]
 KEYLUME_WIDEST
@@ -89,7 +84,7 @@ void TileSums::end_group_of(std::uint32_t cell, const Brightness& brightness, Sl
     const float* of_slot = channels(brightness.of_slot.data() + slots.begin);
     float* to = channels(row(cell, r) + slots.begin);
     if (!test(has_dark_, cell)) {
-      add_scaled(of_slot, lit_[at], 3 * count, to);
+      add_scaled(to, of_slot, lit_[at], 3 * count);
       continue;
     }
     const float* dark = dark_.data() + at * slots_ + slots.begin;

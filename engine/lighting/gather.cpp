@@ -72,12 +72,9 @@ void SampledOperator::add_moving(std::span<const Rgb> rest, const PatchSeries& b
   const auto changes = lines_.moving_rows.row(patch);
   if (changes.empty()) return;
   RowSum sum(columns.count());
-  constexpr std::size_t kAhead = 8;  // exchanges whose values are fetched while earlier ones are added
-  for (std::size_t e = 0; e < changes.size(); ++e) {
-    const SlotExchange& change = changes[e];
-    if (e + kAhead < changes.size()) fetch(b, columns, changes[e + kAhead]);
+  each_exchange(changes, b, columns, [&](const SlotExchange& change) {
     add_exchange(change, columns, rest[change.sender], b.row(change.sender), sum.values.data());
-  }
+  });
   sum.divide_into(lines_.crossings, columns, patch, to);
 }
 

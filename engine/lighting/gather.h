@@ -42,9 +42,19 @@ inline void add_exchange(const SlotExchange& exchange, const Columns& columns, R
     sum[c] += weight * (rest + from[c]);
 }
 
-/// Asks memory for the first of what add_exchange reads: senders are all over the scene.
-inline void fetch(const PatchSeries& b, const Columns& columns, const SlotExchange& exchange) {
-  __builtin_prefetch(b.row(exchange.sender) + columns.begin_of(exchange.first_slot));
+/// Calls use(exchange) for one after the other, and asks memory ahead for the first of what add_exchange then
+/// reads of `b`: senders are all over the scene.
+template <class Use>
+void each_exchange(std::span<const SlotExchange> exchanges, const PatchSeries& b, const Columns& columns,
+                   Use&& use) {
+  constexpr std::size_t kAhead = 8;
+  for (std::size_t e = 0; e < exchanges.size(); ++e) {
+    if (e + kAhead < exchanges.size()) {
+      const SlotExchange& next = exchanges[e + kAhead];
+      __builtin_prefetch(b.row(next.sender) + columns.begin_of(next.first_slot));
+    }
+    use(exchanges[e]);
+  }
 }
 
 /// T_f = T_s + M_f, sampled by lines and divided by actual crossings:

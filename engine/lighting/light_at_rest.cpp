@@ -27,14 +27,15 @@ api::Result<std::vector<RestLight>> light_at_rest(const LitScene& lit, std::span
   counts.empty_rows += empty_rows_at_rest(lit, *lines);
 
   const std::vector<Rgb> reflectance = reflectance_at_rest(lit);
+  const CoarseExchange coarse(lit.patches, *lines, reflectance);
   std::vector<RestLight> at_rest;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const auto share = [&](std::size_t k) {
       return kTracingShare +
              (1 - kTracingShare) * static_cast<double>(k) / static_cast<double>(groups.size());
     };
-    auto light = solve_at_rest(lit.patches, *lines, source_at_rest(lit, groups[g], reflectance), reflectance,
-                               part_of(progress, share(g), share(g + 1)));
+    auto light = solve_at_rest(lit.patches, *lines, coarse, source_at_rest(lit, groups[g], reflectance),
+                               reflectance, part_of(progress, share(g), share(g + 1)));
     if (!light) return light.error();
     counts.add(light->convergence);
     at_rest.push_back(std::move(*light));

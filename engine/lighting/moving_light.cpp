@@ -31,14 +31,10 @@ void MovingLight::gather_from_rest(const PatchSeries& r) {
   for_each_patch(from_rest_.patch_count, {}, [&](std::uint32_t k) {
     Rgb* sum = from_rest_.row(k);
     std::fill_n(sum, columns_.count(), Rgb{});
-    constexpr std::size_t kAhead = 8;
-    const auto exchanges = lines_.moving_rows.row(patches_[k]);
-    for (std::size_t e = 0; e < exchanges.size(); ++e) {
-      const SlotExchange& exchange = exchanges[e];
-      if (e + kAhead < exchanges.size()) fetch(r, columns_, exchanges[e + kAhead]);
+    each_exchange(lines_.moving_rows.row(patches_[k]), r, columns_, [&](const SlotExchange& exchange) {
       if (row_of[exchange.sender] == kNoPatch)
         add_exchange(exchange, columns_, rest_radiosity_[exchange.sender], r.row(exchange.sender), sum);
-    }
+    });
   });
 }
 

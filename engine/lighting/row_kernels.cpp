@@ -24,11 +24,6 @@ void add_rows(float* __restrict sum, const float* __restrict rows, std::size_t w
 }
 
 KEYLUME_WIDEST
-void add_scaled(float* __restrict to, const float* __restrict from, float factor, std::size_t width) {
-  for (std::size_t k = 0; k < width; ++k) to[k] += factor * from[k];
-}
-
-KEYLUME_WIDEST
 void reflect_sum(const float* a, const float* b, const RowPattern& rho, const RowPattern& factor,
                  const RowPattern& rest, const RowPattern& subtracted, std::size_t width, float* to) {
   constexpr std::size_t kBlock = RowPattern::kCount;
@@ -57,22 +52,17 @@ float add_changes(const float* __restrict before, const float* __restrict after,
                   std::size_t width, float* __restrict sum) {
   constexpr std::size_t kWide = 16;
   std::array<float, kWide> largest{};
-  std::size_t first = 0;
-  for (; first + kWide <= width; first += kWide)
-    for (std::size_t k = 0; k < kWide; ++k) {
-      const float now = after[first + k], change = now - before[first + k];
-      const float size = std::abs(change);
-      const float counted = size > kRoundingOfValue * std::abs(now) ? size : 0.0f;
-      largest[k] = counted > largest[k] ? counted : largest[k];
-      sum[first + k] += share * change;
-    }
-  for (; first < width; ++first) {
-    const float now = after[first], change = now - before[first];
+  const auto add = [&](std::size_t at, float& most) {
+    const float now = after[at], change = now - before[at];
     const float size = std::abs(change);
     const float counted = size > kRoundingOfValue * std::abs(now) ? size : 0.0f;
-    largest[0] = std::max(largest[0], counted);
-    sum[first] += share * change;
-  }
+    most = counted > most ? counted : most;
+    sum[at] += share * change;
+  };
+  std::size_t first = 0;
+  for (; first + kWide <= width; first += kWide)
+    for (std::size_t k = 0; k < kWide; ++k) add(first + k, largest[k]);
+  for (; first < width; ++first) add(first, largest[0]);
   return *std::max_element(largest.begin(), largest.end());
 }
 

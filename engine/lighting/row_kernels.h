@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "engine/base/add_scaled.h"
 #include "engine/base/rgb.h"
 #include "engine/lines/trace_lines.h"
 
@@ -16,9 +17,6 @@ namespace engine {
 /// Layout: a row is the slots of one patch side by side, three channels each. Cost: one read of `width`
 /// floats per exchange, from memory that is rarely in cache.
 void add_rows(float* sum, const float* rows, std::size_t width, std::span<const Exchange> exchanges);
-
-/// to[k] += factor * from[k], k in [0, width).
-void add_scaled(float* to, const float* from, float factor, std::size_t width);
 
 /// A colour over and over, as rows have their channels: a multiple of 3 and of the lanes of any register.
 struct RowPattern {

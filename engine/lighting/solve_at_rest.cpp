@@ -1,6 +1,5 @@
 #include "engine/lighting/solve_at_rest.h"
 
-#include "engine/lighting/coarse_exchange.h"
 #include "engine/lighting/convergence.h"
 #include "engine/lighting/gather.h"
 
@@ -22,10 +21,9 @@ Scale scale_of(const Patches& patches, const RgbValues& values, const std::vecto
 }  // namespace
 
 api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& lines,
-                                     const std::vector<Rgb>& source_w_m2, const std::vector<Rgb>& reflectance,
-                                     const Progress& progress) {
+                                     const CoarseExchange& coarse, const std::vector<Rgb>& source_w_m2,
+                                     const std::vector<Rgb>& reflectance, const Progress& progress) {
   const SampledOperator sampled(lines);
-  const CoarseExchange coarse(patches, lines, reflectance);
   PatchSeries radiosity(patches.count(), 1);
   radiosity.values.assign(source_w_m2.begin(), source_w_m2.end());
   RestLight light;

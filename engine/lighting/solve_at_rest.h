@@ -6,6 +6,7 @@
 
 #include "api/result.h"
 #include "engine/base/progress.h"
+#include "engine/lighting/coarse_exchange.h"
 #include "engine/lighting/radiosity.h"
 #include "engine/lines/trace_lines.h"
 
@@ -32,6 +33,7 @@ struct RestLight {
 };
 
 /// Solves R = S + rho T_s R on `lines`, traced without frames.
+/// coarse: of these lines and this reflectance.
 /// source_w_m2  S, [patch]        reflectance  rho, [patch], 0 <= rho < 1
 ///
 /// Iterates R <- S + rho T_s R. If an iteration changes R by at most d, and by r d the one after, all that
@@ -39,7 +41,7 @@ struct RestLight {
 /// rounding is all that is left it ends. With rho near 1
 /// it may end after kIterationsMax; then `converged` is false and the light still grows. Error: stopped.
 api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& lines,
-                                     const std::vector<Rgb>& source_w_m2, const std::vector<Rgb>& reflectance,
-                                     const Progress& progress);
+                                     const CoarseExchange& coarse, const std::vector<Rgb>& source_w_m2,
+                                     const std::vector<Rgb>& reflectance, const Progress& progress);
 
 }  // namespace engine

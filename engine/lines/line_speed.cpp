@@ -75,12 +75,7 @@ class Contest {
       LineTracer tracer(at_rest_, moving_, counts_);
       ChunkExchanges found;
       TracingCounts counts;
-      LinePacket packet;
-      for (std::uint64_t line = first; line < last; line += kLanes) {
-        global_lines(box_, static_cast<std::uint32_t>(line),
-                     static_cast<std::uint32_t>(std::min<std::uint64_t>(kLanes, last - line)), kSeed, packet);
-        tracer.trace(packet, found, counts);
-      }
+      tracer.trace(box_, first, last, kSeed, found, counts);
       seen_ += found.pairs.size() + found.changes.size();
     });
   }

@@ -39,6 +39,16 @@ void LineTracer::count_moving(PatchId patch, std::uint32_t first_slot, std::uint
     std::atomic_ref(row[s]).fetch_add(1, std::memory_order_relaxed);
 }
 
+void LineTracer::trace(const LineBox& box, std::uint64_t first, std::uint64_t last, std::uint64_t seed,
+                       ChunkExchanges& found, TracingCounts& counts) {
+  LinePacket packet;
+  for (std::uint64_t line = first; line < last; line += kLanes) {
+    const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(kLanes, last - line));
+    global_lines(box, static_cast<std::uint32_t>(line), count, seed, packet);
+    trace(packet, found, counts);
+  }
+}
+
 void LineTracer::trace(const LinePacket& packet, ChunkExchanges& found, TracingCounts& counts) {
   at_rest_.all_hits(packet, buffers_, static_line_);
   counts.lines += packet.count;

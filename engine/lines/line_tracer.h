@@ -31,8 +31,9 @@ class LineTracer {
   LineTracer(const LineScene& at_rest, const LineScene& moving, CrossingCounts& crossings)
       : at_rest_(at_rest), moving_(moving), crossings_(crossings) {}
 
-  /// Global lines: everything along them, in both directions.
-  void trace(const LinePacket& packet, ChunkExchanges& found, TracingCounts& counts);
+  /// Global lines [first, last): everything along them, in both directions. `first` is a multiple of 16.
+  void trace(const LineBox& box, std::uint64_t first, std::uint64_t last, std::uint64_t seed,
+             ChunkExchanges& found, TracingCounts& counts);
 
   /// Line k goes through a point of receivers[k], which is where it is in slots [first_slot, last_slot] (at
   /// rest: in all of them): what it alone sees in these slots. Nothing where the line misses it by rounding.
@@ -40,6 +41,7 @@ class LineTracer {
                   std::uint32_t last_slot, ChunkExchanges& found);
 
  private:
+  void trace(const LinePacket& packet, ChunkExchanges& found, TracingCounts& counts);
   void list_pairs(std::uint32_t lane, ChunkExchanges& found) const;
   void list_changes_of(std::uint32_t lane);
   void count_moving(PatchId patch, std::uint32_t first_slot, std::uint32_t last_slot);

@@ -115,9 +115,8 @@ class Shooter {
 
 class LocalTracer {
  public:
-  LocalTracer(const LocalScene& scene, const LineOptions& options, float scene_size_m,
-              const CrossingCounts& crossings)
-      : scene_(scene), options_(options), scene_size_m_(scene_size_m), crossings_(crossings) {}
+  LocalTracer(const LocalScene& scene, const LineOptions& options, const CrossingCounts& crossings)
+      : scene_(scene), options_(options), crossings_(crossings) {}
 
   /// Patches [first, last), object by object. Answers how many lines it took.
   std::uint64_t complete(PatchId first, PatchId last, LineTracer& tracer, ChunkExchanges& found) const {
@@ -151,7 +150,7 @@ class LocalTracer {
       if (wanted == 0) continue;
       RaysOfPatch rays = rays_of(patch);
       const PlacedSide side(facet_of(patch), pose, rays.is_back());
-      for (const LocalRay& ray : rays.first(wanted)) shooter.shoot(side.ray(ray, scene_size_m_), patch);
+      for (const LocalRay& ray : rays.first(wanted)) shooter.shoot(side.ray(ray, scene_.size_m), patch);
     }
   }
 
@@ -180,7 +179,7 @@ class LocalTracer {
         }
         RaysOfPatch& of_patch = rays[patch - first];
         const PlacedSide& side = of_patch.is_back() ? *back : *front;
-        for (const LocalRay& ray : of_patch.first(wanted)) shooter.shoot(side.ray(ray, scene_size_m_), patch);
+        for (const LocalRay& ray : of_patch.first(wanted)) shooter.shoot(side.ray(ray, scene_.size_m), patch);
       }
     }
     shooter.flush();
@@ -188,7 +187,6 @@ class LocalTracer {
 
   const LocalScene& scene_;
   const LineOptions& options_;
-  const float scene_size_m_;
   const CrossingCounts& crossings_;
 };
 
@@ -198,8 +196,7 @@ std::uint64_t add_local_rays(const LocalScene& scene, const LineOptions& options
                              LineChunks& chunks, std::atomic<bool>& stopped, const Progress& progress) {
   if (options.static_crossings_min == 0 && options.moving_crossings_min == 0) return 0;
   crossings.static_count = count_rows(scene.patches.count(), chunks.blocks, chunks.pairs);
-  const LineBox box = line_box(scene.patches, scene.animation);
-  const LocalTracer local(scene, options, length(box.upper - box.lower), crossings);
+  const LocalTracer local(scene, options, crossings);
   const std::size_t before = chunks.pairs.size();
   const std::size_t tasks = (scene.patches.count() + kPatchesPerTask - 1) / kPatchesPerTask;
   chunks.resize(before + tasks);

@@ -15,6 +15,7 @@ struct LocalScene {
   const LineScene& at_rest;
   const LineScene& moving;  ///< in the window `frames`
   std::span<const FrameIndex> frames;
+  float size_m = 0;  ///< the diagonal of line_box
 };
 
 /// Brings every patch that is there to at least the crossings that `options` asks for, in every slot, by

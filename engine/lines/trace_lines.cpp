@@ -12,17 +12,6 @@ namespace {
 
 constexpr std::uint64_t kLinesPerChunk = 4096;
 
-/// Lines [first, last); `first` is a multiple of 16.
-void trace_chunk(const LineBox& box, std::uint64_t first, std::uint64_t last, std::uint64_t seed,
-                 LineTracer& tracer, ChunkExchanges& found, TracingCounts& counts) {
-  LinePacket packet;
-  for (std::uint64_t line = first; line < last; line += kLanes) {
-    const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(kLanes, last - line));
-    global_lines(box, static_cast<std::uint32_t>(line), count, seed, packet);
-    tracer.trace(packet, found, counts);
-  }
-}
-
 }  // namespace
 
 CrossingCounts empty_counts(const Patches& patches, const Animation& animation,
@@ -71,13 +60,13 @@ api::Result<TracedLines> trace_lines(const Patches& patches, const Animation& an
     found.clear();
     LineTracer tracer(at_rest, moving, traced.crossings);
     const std::uint64_t first = chunk * kLinesPerChunk;
-    trace_chunk(box, first, std::min(first + kLinesPerChunk, options.line_count), options.seed, tracer, found,
-                counts[chunk]);
+    tracer.trace(box, first, std::min(first + kLinesPerChunk, options.line_count), options.seed, found,
+                 counts[chunk]);
     chunks.keep(chunk, found);
     progress.report(static_cast<double>(++done) / static_cast<double>(chunk_count));
   });
   for (const TracingCounts& chunk : counts) traced.counts += chunk;
-  const LocalScene scene{patches, animation, at_rest, moving, frames};
+  const LocalScene scene{patches, animation, at_rest, moving, frames, length(box.upper - box.lower)};
   traced.counts.local_lines = add_local_rays(scene, options, traced.crossings, chunks, stopped, progress);
   if (stopped) return api::Error{api::Fault::stopped, "stopped while tracing lines"};
 

@@ -7,12 +7,6 @@
 namespace engine {
 namespace {
 
-/// floor(x n), clamped to the grid: hits on the far edge belong to the last cell.
-std::uint32_t index_in(float x, std::uint32_t n) {
-  const float scaled = x * static_cast<float>(n);
-  return scaled <= 0 ? 0 : std::min(static_cast<std::uint32_t>(scaled), n - 1);
-}
-
 /// A cell of a triangle that is cut into n rows.
 struct TriangleCell {
   std::uint32_t column = 0, row = 0;
@@ -24,8 +18,8 @@ struct TriangleCell {
 };
 
 TriangleCell triangle_cell_at(std::uint32_t n, float u, float v) {
-  const std::uint32_t row = index_in(v, n);
-  const std::uint32_t column = std::min(index_in(u, n), n - 1 - row);
+  const std::uint32_t row = index_in_grid(v, n);
+  const std::uint32_t column = std::min(index_in_grid(u, n), n - 1 - row);
   const float in_cell = (u + v) * static_cast<float>(n) - static_cast<float>(column + row);
   return {column, row, in_cell > 1.0f && column + row + 1 < n};
 }
@@ -54,7 +48,7 @@ CellCorners triangle_cell_corners(std::uint32_t n, std::uint32_t cell) {
 LatticeSlot slot_at(const Facet& facet, float u, float v) {
   constexpr std::uint32_t n = kLatticeParts;
   if (!facet.is_triangle) {
-    const std::uint32_t i = index_in(u, facet.grid_u * n), j = index_in(v, facet.grid_v * n);
+    const std::uint32_t i = index_in_grid(u, facet.grid_u * n), j = index_in_grid(v, facet.grid_v * n);
     return {j / n * facet.grid_u + i / n, square_slot(i % n, j % n)};
   }
   const TriangleCell at = triangle_cell_at(facet.grid_u * n, u, v);
@@ -70,7 +64,7 @@ std::uint32_t cell_at(const Facet& facet, float u, float v) {
     return facet.trees[at.grid_cell].leaf_at(at.slot);
   }
   if (facet.is_triangle) return triangle_cell_at(facet.grid_u, u, v).number(facet.grid_u);
-  return index_in(v, facet.grid_v) * facet.grid_u + index_in(u, facet.grid_u);
+  return index_in_grid(v, facet.grid_v) * facet.grid_u + index_in_grid(u, facet.grid_u);
 }
 
 LeafCorners leaf_corners(const Facet& facet, std::uint32_t grid_cell, Leaf leaf) {

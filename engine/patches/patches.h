@@ -2,6 +2,7 @@
 // and each cell is a patch or, in the adaptive layout, a tree of quarters.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -44,6 +45,12 @@ struct Facet {
   }
   std::uint32_t patch_count() const { return both_sides ? 2 * cell_count() : cell_count(); }
 };
+
+/// floor(x n), clamped to the grid: hits on the far edge belong to the last cell.
+inline std::uint32_t index_in_grid(float x, std::uint32_t n) {
+  const float scaled = x * static_cast<float>(n);
+  return scaled <= 0 ? 0 : std::min(static_cast<std::uint32_t>(scaled), n - 1);
+}
 
 /// The cell of a facet that holds (u, v). Grid cells of a parallelogram: row-major, u fastest; of a triangle:
 /// row by row from v = 0, in each row alternately upright and inverted; row j starts at j (2 n - j). Leaves:

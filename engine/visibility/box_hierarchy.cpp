@@ -75,9 +75,9 @@ class Builder {
   void divide(const Part& part) {
     Box all = kNoBox, centres = kNoBox;
     for (std::uint32_t k = part.begin; k < part.end; ++k) {
-      all = united(all, box(k));
+      all = join(all, box(k));
       const Vec3 centre = twice_centre(box(k));
-      centres = united(centres, {centre, centre});
+      centres = join(centres, {centre, centre});
     }
     BoxNode& node = tree_.nodes[part.node];
     node.lower = all.lower;
@@ -114,7 +114,7 @@ class Builder {
       box_of.fill(kNoBox);
       for (std::uint32_t k = part.begin; k < part.end; ++k) {
         const std::uint32_t bin = bins.of(box(k));
-        box_of[bin] = united(box_of[bin], box(k));
+        box_of[bin] = join(box_of[bin], box(k));
         ++count[bin];
       }
       consider(box_of, count, axis, best);
@@ -128,14 +128,14 @@ class Builder {
     Box right = kNoBox;
     std::uint32_t on_right = 0;
     for (std::uint32_t bin = kBins - 1; bin > 0; --bin) {
-      right = united(right, box_of[bin]);
+      right = join(right, box_of[bin]);
       on_right += count[bin];
       right_cost[bin] = on_right > 0 ? static_cast<float>(on_right) * surface(right) : kInfinity;
     }
     Box left = kNoBox;
     std::uint32_t on_left = 0;
     for (std::uint32_t bin = 1; bin < kBins; ++bin) {
-      left = united(left, box_of[bin - 1]);
+      left = join(left, box_of[bin - 1]);
       on_left += count[bin - 1];
       if (on_left == 0) continue;
       const float cost = static_cast<float>(on_left) * surface(left) + right_cost[bin];
@@ -161,10 +161,6 @@ class Builder {
 
 }  // namespace
 
-Box united(const Box& a, const Box& b) {
-  return {min(a.lower, b.lower), max(a.upper, b.upper)};
-}
-
 BoxHierarchy build_hierarchy(std::span<const Box> boxes, std::uint32_t leaf_max) {
   return Builder(boxes, leaf_max).build();
 }
@@ -174,10 +170,10 @@ void refit(std::span<BoxNode> nodes, std::uint32_t node_base, std::span<const Bo
   for (std::size_t n = nodes.size(); n-- > 0;) {
     BoxNode& node = nodes[n];
     Box all = kNoBox;
-    for (std::uint32_t k = 0; k < node.count; ++k) all = united(all, boxes[node.first - place_base + k]);
+    for (std::uint32_t k = 0; k < node.count; ++k) all = join(all, boxes[node.first - place_base + k]);
     for (std::uint32_t k = 0; k < 2 && node.count == 0; ++k) {
       const BoxNode& child = nodes[node.first - node_base + k];
-      all = united(all, {child.lower, child.upper});
+      all = join(all, {child.lower, child.upper});
     }
     node.lower = all.lower;
     node.upper = all.upper;

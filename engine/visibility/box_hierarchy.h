@@ -5,15 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/base/vec3.h"
+#include "engine/visibility/box.h"
 
 namespace engine {
-
-struct Box {
-  Vec3 lower, upper;
-};
-
-Box united(const Box& a, const Box& b);
 
 /// A leaf holds members [first, first + count), an inner node (count 0) has the children first and first + 1.
 struct BoxNode {

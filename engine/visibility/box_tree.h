@@ -5,14 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/base/vec3.h"
+#include "engine/visibility/box.h"
 
 namespace engine {
-
-/// Axis-aligned, closed.
-struct Box {
-  Vec3 lower, upper;
-};
 
 /// Halved at the median of the longest side of the middles.
 class BoxTree {
@@ -59,12 +54,5 @@ class BoxTree {
   std::vector<Leaf> leaves_;
   std::vector<std::uint32_t> order_;
 };
-
-/// The smallest box around points.
-Box box_of(std::span<const Vec3> points);
-/// Around both.
-inline Box join(const Box& a, const Box& b) {
-  return {min(a.lower, b.lower), max(a.upper, b.upper)};
-}
 
 }  // namespace engine

@@ -17,16 +17,8 @@ std::uint32_t leaf_max(std::size_t facets) {
   return facets <= kFacetsTestedByAll ? kFacetsTestedByAll : kLeafMax;
 }
 
-Box box_of(const std::array<Vec3, 4>& corners, bool is_triangle) {
-  Box box{corners[0], corners[0]};
-  for (int c = 1; c < (is_triangle ? 3 : 4); ++c) box = united(box, {corners[c], corners[c]});
-  return box;
-}
-
-/// The grid cell floor(x n), as cell_at has it.
-std::uint32_t cell_of(float x, std::uint32_t n) {
-  const float scaled = x * static_cast<float>(n);
-  return scaled <= 0 ? 0 : std::min(static_cast<std::uint32_t>(scaled), n - 1);
+Box box_of_facet(const std::array<Vec3, 4>& corners, bool is_triangle) {
+  return box_of(std::span(corners).first(is_triangle ? 3 : 4));
 }
 
 }  // namespace
@@ -36,7 +28,7 @@ LineScene LineScene::at_rest(const Patches& patches, const Animation& animation)
   const std::vector<PlacedFacet> facets = static_facets(patches, animation);
   std::vector<Box> boxes;
   for (const PlacedFacet& placed : facets)
-    boxes.push_back(box_of(placed.corners, patches.facets[placed.facet].is_triangle));
+    boxes.push_back(box_of_facet(placed.corners, patches.facets[placed.facet].is_triangle));
   scene.set_centre(animation);
   scene.add_block(facets, build_hierarchy(boxes, leaf_max(facets.size())));
   scene.join_blocks();
@@ -55,7 +47,7 @@ LineScene LineScene::moving(const Patches& patches, const Animation& animation,
     if (of_object[o].empty() || motion.is_static(animation.frame_count)) continue;
     std::vector<Box> boxes;
     for (const std::uint32_t f : of_object[o])
-      boxes.push_back(box_of(patches.facets[f].corners, patches.facets[f].is_triangle));
+      boxes.push_back(box_of_facet(patches.facets[f].corners, patches.facets[f].is_triangle));
     const BoxHierarchy shape = build_hierarchy(boxes, kLeafMax);
     std::vector<PlacedFacet> placed(of_object[o].size());
     for (const PlacedRange& range : placed_ranges(motion, frames)) {
@@ -79,7 +71,7 @@ void LineScene::set_centre(const Animation& animation) {
     const ObjectMotion& motion = animation.objects[facet.object];
     if (motion.spans.empty()) continue;
     const Vec3 at = transform_point(motion.spans[0].pose, facet.origin);
-    all = all ? united(*all, {at, at}) : Box{at, at};
+    all = all ? join(*all, {at, at}) : Box{at, at};
   }
   if (!all) return;
   tree_->centre = 0.5f * (all->lower + all->upper);
@@ -95,7 +87,7 @@ void LineScene::add_block(std::span<const PlacedFacet> facets, const BoxHierarch
   for (const std::uint32_t k : shape.order) {
     const PlacedFacet& placed = facets[k];
     const Facet& facet = patches_->facets[placed.facet];
-    boxes.push_back(box_of(placed.corners, facet.is_triangle));
+    boxes.push_back(box_of_facet(placed.corners, facet.is_triangle));
     boxes.back().lower = boxes.back().lower - tree_->centre - margin_;
     boxes.back().upper = boxes.back().upper - tree_->centre + margin_;
     tree_->tests.push_back(facet_test(placed, facet.is_triangle, tree_->centre));
@@ -152,9 +144,9 @@ inline bool LineScene::is_before(const PacketHit& a, const PacketHit& b) const {
 
 inline MovingCrossing LineScene::crossing_of(const PacketHit& hit) const {
   const Item& item = items_[hit.item];
-  const std::uint32_t cell = item.grid_u > 0
-                                 ? cell_of(hit.v, item.grid_v) * item.grid_u + cell_of(hit.u, item.grid_u)
-                                 : cell_at(patches_->facets[item.facet], hit.u, hit.v);
+  const std::uint32_t cell =
+      item.grid_u > 0 ? index_in_grid(hit.v, item.grid_v) * item.grid_u + index_in_grid(hit.u, item.grid_u)
+                      : cell_at(patches_->facets[item.facet], hit.u, hit.v);
   const PatchId front = item.first_patch + cell, back = item.back > 0 ? front + item.back : kNoPatch;
   MovingCrossing crossing;
   crossing.distance = hit.distance;

@@ -16,9 +16,10 @@ constexpr std::uint64_t kLines = 5'000;
 
 RestLight solve(const MovingRoom& room, Rgb source, Rgb reflectance) {
   const std::uint32_t patches = room.patches.count();
-  auto light =
-      solve_at_rest(room.patches, tests::trace(room, {}, {kLines, 1}), std::vector<Rgb>(patches, source),
-                    std::vector<Rgb>(patches, reflectance), Progress{});
+  const TracedLines lines = tests::trace(room, {}, {kLines, 1});
+  const std::vector<Rgb> rho(patches, reflectance);
+  auto light = solve_at_rest(room.patches, lines, {room.patches, lines, rho},
+                             std::vector<Rgb>(patches, source), rho, Progress{});
   EXPECT_TRUE(light);
   return std::move(*light);
 }
@@ -64,7 +65,7 @@ TEST(SolveAtRest, IsTheSolutionOfItsEquations) {
     mean += room.patches.area_m2[i] * expected[i];
     area += room.patches.area_m2[i];
   }
-  const auto light = solve_at_rest(room.patches, lines, source, rho, Progress{});
+  const auto light = solve_at_rest(room.patches, lines, {room.patches, lines, rho}, source, rho, Progress{});
   ASSERT_TRUE(light);
   for (PatchId i = 0; i < patches; ++i) {
     ASSERT_NEAR(light->radiosity_w_m2[i].g, expected[i], 2 * kIterationError * mean / area) << i;
@@ -113,8 +114,9 @@ TEST(SolveAtRest, StopsWhenToldTo) {
   Progress progress;
   progress.stop_requested = [&] { return ++asked > 100; };
   const std::uint32_t patches = room.patches.count();
-  const auto light = solve_at_rest(room.patches, lines, std::vector<Rgb>(patches, Rgb{1, 1, 1}),
-                                   std::vector<Rgb>(patches, Rgb{0.99f, 0.99f, 0.99f}), progress);
+  const std::vector<Rgb> rho(patches, Rgb{0.99f, 0.99f, 0.99f});
+  const auto light = solve_at_rest(room.patches, lines, {room.patches, lines, rho},
+                                   std::vector<Rgb>(patches, Rgb{1, 1, 1}), rho, progress);
   ASSERT_FALSE(light);
   EXPECT_EQ(light.error().fault, api::Fault::stopped);
 }
