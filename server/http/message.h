@@ -20,6 +20,8 @@ struct HttpRequest {
   std::vector<std::pair<std::string, std::string>> query;
   /// The header's value, or none; names in any case.
   std::function<std::optional<std::string>(std::string_view name)> header;
+  std::string body;   ///< of small bodies, as JSON ones are; empty where the body streams (uploads)
+  std::string owner;  ///< the name of the token that it was sent with; empty: none is asked for
 
   std::optional<std::string> parameter(std::string_view name) const {
     for (const auto& [key, value] : query)
@@ -52,6 +54,10 @@ struct HttpAnswer {
   std::vector<std::pair<std::string, std::string>> headers;
   std::string body;
   std::shared_ptr<FileBody> file;  ///< instead of `body`
+  /// Instead of `body`: waits for the next piece and appends it; false: that was the end. Sent in chunks. It
+  /// answers false soon after the server is told to stop, and an empty piece at times, so that a client that
+  /// has gone is noticed.
+  std::function<bool(std::string& piece)> stream;
   std::string etag;                ///< strong, without quotes; empty: none
   bool ranges = false;             ///< ranges and conditions apply (files)
   std::optional<ByteRange> part;   ///< set by apply_conditions
