@@ -11,7 +11,7 @@ LightingOptions lighting_preset(Preset preset) {
       options.moving_line_count = 500'000;
       options.samples_per_light = 4;
       options.patch_edge_m = 0.4;
-      options.estimate_line_count = 50'000;
+      options.estimate_line_count = 100'000;
       break;
     case Preset::standard:
       break;

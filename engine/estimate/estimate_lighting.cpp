@@ -10,6 +10,13 @@
 namespace engine {
 namespace {
 
+/// What iterations may leave of B, relative to its mean: a twentieth of the tolerances that key-frames are
+/// chosen by, and much the same in neighbouring frames.
+constexpr double kEstimateIterationError = 1e-3;
+
+/// Of one replicate: all of them have eight times as many, and no frame is left without any.
+constexpr std::uint32_t kMovingCrossingsMin = 2;
+
 constexpr std::string_view kLinesName = "estimate-lines";
 
 bool compares_replicates(const api::LightingOptions& options) {
@@ -129,13 +136,11 @@ api::Status Estimator::add_replicate(const Progress& progress) {
   constexpr double kRestShare = 0.2;  // progress only, as are the shares of windows
   SolveCounts uncounted;
   const auto all = sources();
-  const auto rests = light_at_rest(lit(), all, lines, uncounted, part_of(progress, 0, kRestShare));
-  if (!rests) return rests.error();
-
-  const LineOptions fewer{
-      rest_transport_lines(lines.line_count, lines.line_count, estimate_->patches.count()), lines.seed};
-  const auto transport = rest_transport(lit(), fewer, part_of(progress, kRestShare, kRestShare));
+  const auto transport = rest_transport(lit(), lines, part_of(progress, 0, kRestShare));
   if (!transport) return transport.error();
+  const auto rests = light_at_rest(lit(), all, *transport, uncounted,
+                                   part_of(progress, kRestShare, kRestShare), kEstimateIterationError);
+  if (!rests) return rests.error();
 
   const auto frames = every_frame(*animation_);
   const std::uint32_t windows = window_count(), begun_at = trace_.window;
@@ -162,12 +167,14 @@ api::Status Estimator::add_window(std::span<const FrameIndex> window, std::span<
   const auto slots = static_cast<std::uint32_t>(window.size());
   LineOptions moving = lines;
   moving.with_static_rows = false;
+  moving.moving_crossings_min = kMovingCrossingsMin;
   const auto traced = trace_lines(scene.patches, *animation_, *static_rays_, window, moving, progress);
   if (!traced) return traced.error();
   PatchSeries irradiance(scene.patches.count(), slots);
   for (std::uint32_t g = 0; g < sources.size(); ++g) {
-    auto light = solve_difference({scene, window, *traced, transport, rests[g], sources[g]},
-                                  Columns::every(slots), Progress{[](double) {}, progress.stop_requested});
+    auto light =
+        solve_difference({scene, window, *traced, transport, rests[g], sources[g], kEstimateIterationError},
+                         Columns::every(slots), Progress{[](double) {}, progress.stop_requested});
     if (!light) return light.error();
     for (PatchId patch = 0; patch < scene.patches.count(); ++patch)
       for (std::uint32_t s = 0; s < slots; ++s)

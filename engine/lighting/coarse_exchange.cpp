@@ -100,7 +100,9 @@ void CoarseExchange::make_groups(const Patches& patches, const TracedLines& line
     (lines.crossings.static_count[patch] > 0 ? order_ : others_).push_back(patch);
   begin_ = {0};
   if (order_.empty()) return;
-  const auto groups = std::min(kGroupsMax, static_cast<std::uint32_t>(order_.size()));
+  const auto patches_at_rest = static_cast<std::uint32_t>(order_.size());
+  const auto groups =
+      std::clamp(patches_at_rest / kPatchesPerGroup, std::min(kGroupsMin, patches_at_rest), kGroupsMax);
   halve(places_of(patches, order_), order_, groups, begin_);
   for (std::uint32_t group = 0; group < groups; ++group) {
     const auto of_group = members(group);

@@ -20,13 +20,14 @@ namespace engine {
 ///     S + rho T B + P (1 - K_G)^-1 K_G R q
 ///
 /// in place of S + rho T B. It ends at the same solution, in a third of the iterations or less: what is left
-/// after it is rough, and lines average it away at once. Where patches are few, each is a group.
+/// after it is rough, and lines average it away at once. Where patches are very few, each is a group.
 /// Source: Atkinson, "Iterative variants of the Nystroem method", Numer. Math. 22, 1974 (two-grid iteration);
 /// Brakhage, Numer. Math. 2, 1960.
 class CoarseExchange {
  public:
-  /// Groups at most: the matrices take some milliseconds.
-  static constexpr std::uint32_t kGroupsMax = 128;
+  /// The matrices take some milliseconds with the most; of few patches as many would cost more than the
+  /// iterations that they save.
+  static constexpr std::uint32_t kGroupsMin = 32, kPatchesPerGroup = 16, kGroupsMax = 128;
 
   /// lines: T_s, its static rows. reflectance: [patch], 0 <= rho < 1.
   CoarseExchange(const Patches& patches, const TracedLines& lines, std::span<const Rgb> reflectance);

@@ -40,6 +40,9 @@ struct Scale {
 /// Follows the largest changes of the iterations.
 class ConvergenceTest {
  public:
+  /// enough: what may be left, relative to the mean.
+  explicit ConvergenceTest(double enough = kIterationError) : enough_(enough) {}
+
   /// Takes the largest change of this iteration, and the largest correction that groups of patches say is
   /// then due (coarse_exchange.h): changes shrink by what iterations leave of the rest.
   void add(double change, double correction, const Scale& scale, Convergence& state) {
@@ -53,7 +56,7 @@ class ConvergenceTest {
       ratios_ = {ratios_[1], now};
     }
     state.error_left = mean > 0 ? left / mean : 0;
-    state.converged = state.error_left <= kIterationError;
+    state.converged = state.error_left <= enough_;
     last_ = change;
     if (change <= 0.5 * halved_from_) {
       halved_from_ = change;
@@ -71,8 +74,8 @@ class ConvergenceTest {
 
   /// The error shrinks by about the same factor each time, so its logarithm measures the way.
   double fraction(const Convergence& state) const {
-    if (state.converged || second_ <= kIterationError) return 1.0;
-    return std::clamp(std::log(second_ / state.error_left) / std::log(second_ / kIterationError), 0.0, 1.0);
+    if (state.converged || second_ <= enough_) return 1.0;
+    return std::clamp(std::log(second_ / state.error_left) / std::log(second_ / enough_), 0.0, 1.0);
   }
 
  private:
@@ -85,9 +88,10 @@ class ConvergenceTest {
 
   /// Changes this small that are not halved in that time are rounding, which in the sums of the brightest
   /// patches goes round in circles of some units in the last place, for ever; beside a mean that is far
-  /// darker they can be more than kIterationError.
+  /// darker they can be more than is enough.
   static constexpr double kRoundingMax = 1e-5, kReflectanceMost = 0.9999;
 
+  double enough_;
   double last_ = 0, second_ = 0, halved_from_ = std::numeric_limits<double>::infinity();
   int since_halved_ = 0;
   /// The two before: near the end changes are few units in the last place, and one ratio alone may be far too

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/lighting/rest_transport.h"
 #include "engine/lighting/solve_at_rest.h"
 #include "engine/lighting/sources.h"
 
@@ -61,5 +62,10 @@ struct SolveCounts {
 api::Result<std::vector<RestLight>> light_at_rest(const LitScene& lit, std::span<const GroupSource> groups,
                                                   const LineOptions& options, SolveCounts& counts,
                                                   const Progress& progress);
+
+/// The same on lines that are traced already. enough: see solve_at_rest.
+api::Result<std::vector<RestLight>> light_at_rest(const LitScene& lit, std::span<const GroupSource> groups,
+                                                  const RestTransport& transport, SolveCounts& counts,
+                                                  const Progress& progress, double enough = kIterationError);
 
 }  // namespace engine

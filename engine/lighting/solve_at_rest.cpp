@@ -22,7 +22,8 @@ Scale scale_of(const Patches& patches, const RgbValues& values, const std::vecto
 
 api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& lines,
                                      const CoarseExchange& coarse, const std::vector<Rgb>& source_w_m2,
-                                     const std::vector<Rgb>& reflectance, const Progress& progress) {
+                                     const std::vector<Rgb>& reflectance, const Progress& progress,
+                                     double enough) {
   const SampledOperator sampled(lines);
   PatchSeries radiosity(patches.count(), 1);
   radiosity.values.assign(source_w_m2.begin(), source_w_m2.end());
@@ -31,7 +32,7 @@ api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& 
   const auto reflected = [&](PatchId patch) {
     return source_w_m2[patch] + reflectance[patch] * light.irradiance_w_m2[patch];
   };
-  ConvergenceTest test;
+  ConvergenceTest test(enough);
   for (;;) {
     PatchSeries residual(coarse.group_count(), 1);
     std::vector<float> changes(coarse.group_count());

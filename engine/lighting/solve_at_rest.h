@@ -22,7 +22,7 @@ inline constexpr std::uint32_t kIterationsMax = 2000;
 struct Convergence {
   std::uint32_t iterations = 0;
   double error_left = 0;  ///< bound on what further iterations would change of B, relative to its mean
-  bool converged = true;  ///< error_left <= kIterationError, or no more than rounding changes (convergence.h)
+  bool converged = true;  ///< error_left is little enough, or no more than rounding changes (convergence.h)
 };
 
 /// Light of the scene at rest, [patch]; 0 of patches that move.  [W/m^2]
@@ -39,9 +39,11 @@ struct RestLight {
 /// Iterates R <- S + rho T_s R. If an iteration changes R by at most d, and by r d the one after, all that
 /// follow change it by at most d r / (1 - r). Changes in the last place of a float are none, and where
 /// rounding is all that is left it ends. With rho near 1
-/// it may end after kIterationsMax; then `converged` is false and the light still grows. Error: stopped.
+/// it may end after kIterationsMax; then `converged` is false and the light still grows.
+/// enough: the error_left to end at. Error: stopped.
 api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& lines,
                                      const CoarseExchange& coarse, const std::vector<Rgb>& source_w_m2,
-                                     const std::vector<Rgb>& reflectance, const Progress& progress);
+                                     const std::vector<Rgb>& reflectance, const Progress& progress,
+                                     double enough = kIterationError);
 
 }  // namespace engine

@@ -55,7 +55,7 @@ class DifferenceSolver {
   }
 
   api::Status iterate(const Progress& progress) {
-    ConvergenceTest test;
+    ConvergenceTest test(window_.enough);
     double change = kFirstChange * scale_.mean;
     for (;;) {
       const auto of_moving =

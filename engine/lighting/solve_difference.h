@@ -18,6 +18,7 @@ struct WindowScene {
   const RestTransport& transport;      ///< T_s
   const RestLight& rest;
   GroupSource source;
+  double enough = kIterationError;  ///< what iterations may leave of B, relative to its mean
 };
 
 /// Light that differs from the scene at rest: X_f = X_s + D_f  [W/m^2], [patch][column]

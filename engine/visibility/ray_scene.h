@@ -69,11 +69,16 @@ class StaticRays {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The facets that move, at every pose they take in the slots of one window, in one flat world-space BVH.
+/// The facets that move, at every pose they take in the slots of one window: in one flat world-space BVH, but
+/// of large objects each once, in a BVH of its own space.
 class MovingRays {
  public:
+  /// Facets of an object that is in the flat BVH: in some hundred poses they are 100,000.
+  static constexpr std::size_t kFlatFacetsMax = 1024;
+
   /// `frames`: 1 .. kWindowMax, increasing.
-  MovingRays(const Patches& patches, const Animation& animation, std::span<const FrameIndex> frames);
+  MovingRays(const Patches& patches, const Animation& animation, std::span<const FrameIndex> frames,
+             std::size_t flat_facets_max = kFlatFacetsMax);
   ~MovingRays();
   MovingRays(const MovingRays&) = delete;
   MovingRays& operator=(const MovingRays&) = delete;

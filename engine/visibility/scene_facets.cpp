@@ -14,10 +14,11 @@ std::vector<PlacedFacet> static_facets(const Patches& patches, const Animation& 
 }
 
 std::vector<PlacedFacet> moving_facets(const Patches& patches, const Animation& animation,
-                                       std::span<const FrameIndex> frames) {
+                                       std::span<const FrameIndex> frames,
+                                       const std::function<bool(std::uint32_t object)>& is_wanted) {
   std::vector<std::vector<PlacedRange>> ranges(animation.objects.size());
-  for (std::size_t o = 0; o < ranges.size(); ++o)
-    if (!animation.objects[o].is_static(animation.frame_count))
+  for (std::uint32_t o = 0; o < ranges.size(); ++o)
+    if (!animation.objects[o].is_static(animation.frame_count) && (!is_wanted || is_wanted(o)))
       ranges[o] = placed_ranges(animation.objects[o], frames);
 
   std::vector<PlacedFacet> placed;
