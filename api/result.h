@@ -25,7 +25,18 @@ inline constexpr std::size_t kViolationsMax = 20;
 
 /// Few causes; the message carries the rest. `disk_full` is apart from `out_of_resources`: the same job
 /// succeeds once there is room, while one that asks for too much never does.
-enum class Fault { invalid_request, not_found, wrong_state, out_of_resources, stopped, internal, disk_full };
+enum class Fault {
+  invalid_request,
+  not_found,
+  wrong_state,
+  out_of_resources,
+  stopped,
+  internal,
+  disk_full,
+  changed,     ///< somebody else has changed it since it was read
+  too_many,    ///< more at once than one client may have
+  over_quota,  ///< more bytes than one client, or all together, may keep
+};
 
 struct Error {
   Fault fault = Fault::internal;

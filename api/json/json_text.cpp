@@ -22,6 +22,12 @@ std::string_view problem_type(Fault fault) {
       return "urn:keylume:problem:disk-full";
     case Fault::stopped:
       return "urn:keylume:problem:stopped";
+    case Fault::changed:
+      return "urn:keylume:problem:changed";
+    case Fault::too_many:
+      return "urn:keylume:problem:too-many";
+    case Fault::over_quota:
+      return "urn:keylume:problem:over-quota";
     case Fault::internal:
       break;
   }

@@ -47,6 +47,9 @@ api::ExitCode exit_code_of(api::Fault fault) {
       return api::ExitCode::disk_full;
     case api::Fault::not_found:
     case api::Fault::wrong_state:
+    case api::Fault::changed:
+    case api::Fault::too_many:
+    case api::Fault::over_quota:
     case api::Fault::internal:
       break;
   }

@@ -19,6 +19,7 @@ constexpr std::array kTitles{
     std::pair{408, std::string_view("Request Timeout")},
     std::pair{409, std::string_view("Conflict")},
     std::pair{411, std::string_view("Length Required")},
+    std::pair{412, std::string_view("Precondition Failed")},
     std::pair{413, std::string_view("Content Too Large")},
     std::pair{414, std::string_view("URI Too Long")},
     std::pair{415, std::string_view("Unsupported Media Type")},
@@ -26,6 +27,7 @@ constexpr std::array kTitles{
     std::pair{417, std::string_view("Expectation Failed")},
     std::pair{421, std::string_view("Misdirected Request")},
     std::pair{422, std::string_view("Unprocessable Content")},
+    std::pair{429, std::string_view("Too Many Requests")},
     std::pair{431, std::string_view("Request Header Fields Too Large")},
     std::pair{500, std::string_view("Internal Server Error")},
     std::pair{503, std::string_view("Service Unavailable")},
@@ -43,7 +45,12 @@ int status_of(api::Fault fault) {
     case api::Fault::out_of_resources:
     case api::Fault::stopped:
       return 503;
+    case api::Fault::changed:
+      return 412;
+    case api::Fault::too_many:
+      return 429;
     case api::Fault::disk_full:
+    case api::Fault::over_quota:
       return 507;
     case api::Fault::internal:
       break;
@@ -56,7 +63,7 @@ HttpAnswer problem_answer(const api::Error& error, int status, std::string_view 
   answer.status = status;
   answer.content_type = "application/problem+json";
   answer.body = api::problem_json(error, status, title_of(status), instance);
-  if (status == 503) answer.headers.emplace_back("Retry-After", kRetryAfterSeconds);
+  if (status == 503 || status == 429) answer.headers.emplace_back("Retry-After", kRetryAfterSeconds);
   return answer;
 }
 
@@ -64,13 +71,13 @@ HttpAnswer problem_answer(const api::Error& error, int status, std::string_view 
 
 HttpAnswer problem(const api::Error& error, std::string_view instance) {
   const int status = status_of(error.fault);
-  if (status == 500 || status == 507) log_line(std::string(instance) + ": " + error.message);
+  const bool disk_full = error.fault == api::Fault::disk_full;
+  if (status == 500 || disk_full) log_line(std::string(instance) + ": " + error.message);
   // Paths, SQL and the like are for the operator, not for whoever asks.
   if (status == 500)
     return problem_answer({error.fault, "something failed inside the service; its log says what"}, status,
                           instance);
-  if (status == 507)
-    return problem_answer({error.fault, "the disk of the service is full"}, status, instance);
+  if (disk_full) return problem_answer({error.fault, "the disk of the service is full"}, status, instance);
   return problem_answer(error, status, instance);
 }
 
