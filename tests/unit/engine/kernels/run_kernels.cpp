@@ -4,7 +4,6 @@
 #include "tests/unit/engine/kernels/run_kernels.h"
 
 #include <array>
-#include <cstring>
 
 #include "engine/base/sobol.h"
 #include "engine/direct/form_factor.h"
@@ -39,9 +38,7 @@ class Bytes {
  public:
   template <class T>
   void add(const T* values, std::size_t count) {
-    const std::size_t before = bytes_.size();
-    bytes_.resize(before + count * sizeof(T));
-    if (count > 0) std::memcpy(bytes_.data() + before, values, count * sizeof(T));
+    bytes_.append(reinterpret_cast<const char*>(values), count * sizeof(T));
   }
   KernelBytes take() { return std::move(bytes_); }
 

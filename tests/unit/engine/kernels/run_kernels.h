@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-using KernelBytes = std::vector<unsigned char>;
+using KernelBytes = std::string;
 using NamedBytes = std::pair<std::string, KernelBytes>;
 
 // The kernels as compiled for any x86-64, for AVX2 and for AVX-512.
