@@ -10,28 +10,6 @@
 namespace engine {
 namespace {
 
-constexpr double kMiddleGrey = 0.18;
-
-double hable(double x) {
-  constexpr double a = 0.15, b = 0.50, c = 0.10, d = 0.20, e = 0.02, f = 0.30;
-  return (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f;
-}
-
-constexpr double kWhite = 11.2;
-
-/// k: where h(k 0.18) / h(11.2) = 0.18, found by bisection; h rises.
-double filmic_scale() {
-  static const double scale = [] {
-    double low = 1, high = 10;
-    for (int step = 0; step < 60; ++step) {
-      const double middle = 0.5 * (low + high);
-      (hable(middle * kMiddleGrey) < kMiddleGrey * hable(kWhite) ? low : high) = middle;
-    }
-    return low;
-  }();
-  return scale;
-}
-
 // The table's points are equidistant within each octave: 2^7 of them, from 2^-16 to 2^16, so that the upper
 // bits of a float are its index and the lower ones the fraction to the next point.
 constexpr unsigned kMantissaBits = 23, kPointBits = 7, kFractionBits = kMantissaBits - kPointBits;
@@ -82,18 +60,9 @@ double auto_exposure_factor(const Patches& patches, const Animation& animation,
   return power > 0 ? kMiddleGrey * std::numbers::pi * area / power : 1.0;
 }
 
-double tone_curve(api::ToneMap tone_map, double exposed) {
-  if (tone_map == api::ToneMap::clip) return std::min(exposed, 1.0);
-  return std::min(hable(std::min(filmic_scale() * exposed, kWhite)) / hable(kWhite), 1.0);
-}
-
-double srgb_encode(double light) {
-  return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
-}
-
 DisplayTable::DisplayTable(api::ToneMap tone_map, double exposure_factor)
     : factor_(static_cast<float>(exposure_factor)), encoded_(kPoints + 1) {
-  const double white = tone_map == api::ToneMap::clip ? 1.0 : kWhite / filmic_scale();
+  const double white = tone_curve_white(tone_map);
   white_radiance_ = static_cast<float>(white / exposure_factor);
   for (std::uint32_t i = 0; i < kPoints; ++i) {
     const auto exposed = std::bit_cast<float>((kFirstIndex + i) << kFractionBits);

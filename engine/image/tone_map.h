@@ -8,6 +8,7 @@
 #include "api/image_options.h"
 #include "engine/animation/animation.h"
 #include "engine/base/rgb.h"
+#include "engine/image/tone_curve.h"
 #include "engine/lighting/radiosity.h"
 #include "engine/patches/patches.h"
 
@@ -21,17 +22,6 @@ namespace engine {
 /// luminance of Rec. 709. 0.18 is the reflectance of the photographer's grey card. 1 where all is dark.
 double auto_exposure_factor(const Patches& patches, const Animation& animation,
                             const PatchSeries& radiosity_w_m2);
-
-/// Exposed radiance (>= 0) -> display light, 0 .. 1. Both show 0.18 as 0.18.
-///   clip:   min(x, 1).
-///   filmic: h(k x) / h(11.2), h(x) = (x (A x + C B) + D E) / (x (A x + B) + D F) - E / F with A .15, B .50,
-///           C .10, D .20, E .02, F .30, limited to 1; white is reached at k x = 11.2. k is such that middle
-///           grey stays. Per channel, so bright saturated colours turn towards white.
-///           Source: J. Hable, "Uncharted 2: HDR Lighting", Game Developers Conference 2010.
-double tone_curve(api::ToneMap tone_map, double exposed);
-
-/// Display light 0 .. 1 -> sRGB value 0 .. 1. Source: IEC 61966-2-1.
-double srgb_encode(double light);
 
 /// Radiance -> 8 bits per channel: round(255 srgb_encode(tone_curve(factor x radiance))), from a table that
 /// deviates by less than 1e-4 of full scale. Negative and NaN radiance is black.

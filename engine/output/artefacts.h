@@ -22,14 +22,21 @@ api::Status write_file(const std::filesystem::path& path, std::string_view bytes
 /// radiosity.npy: (frames, patches, 3) float32 little-endian, C order  [W/m^2]. Streamed, not held twice.
 api::Status write_radiosity_npy(const std::filesystem::path& path, const PatchSeries& radiosity_w_m2);
 
+/// How the job's pictures show what is written, for readers that make their own.
+struct ShownAs {
+  Vec3 up{0, 1, 0};          ///< the job's up axis
+  double auto_exposure = 1;  ///< factor on radiance where no exposure is given: auto_exposure_factor()
+};
+
 /// patches.npz (stored, readable with numpy.load) with, for P patches:
 ///   corners (P,4,3) float32 [m] object space, counter-clockwise seen from the patch's own side; a triangle
 ///   repeats its last corner; normal (P,3) float32; area_m2 (P) float32; object (P) uint32; material (P)
 ///   uint32; poses (objects, frames, 3, 4) float64 object -> world; visible (objects, frames) uint8;
-///   object_names, material_names: fixed-width unicode, cut after 256 characters.
+///   object_names, material_names: fixed-width unicode, cut after 256 characters; up (3) float64;
+///   auto_exposure (1) float64, see ShownAs.
 /// A pose in a frame that does not see the object is the identity. Error out_of_resources beyond 4 GiB.
 api::Status write_patches_npz(const std::filesystem::path& path, const Scene& scene, const Patches& patches,
-                              const Animation& animation);
+                              const Animation& animation, const ShownAs& shown_as);
 
 struct Artefact {
   std::string path;  ///< relative to the artefacts folder, '/' between parts

@@ -158,10 +158,23 @@ api::Status write_motion(ZipStore& zip, const Animation& animation) {
                                    });
 }
 
+api::Status write_shown_as(ZipStore& zip, const ShownAs& shown_as) {
+  const Vec3 up = shown_as.up;
+  const std::array<std::uint64_t, 1> three{3}, one{1};
+  if (auto done = write_array<double>(zip, "up", "<f8", three, 1,
+                                      [&](std::uint64_t k, double* out) {
+                                        *out = k == 0 ? up.x : k == 1 ? up.y : up.z;
+                                      });
+      !done)
+    return done;
+  return write_array<double>(zip, "auto_exposure", "<f8", one, 1,
+                             [&](std::uint64_t, double* out) { *out = shown_as.auto_exposure; });
+}
+
 }  // namespace
 
 api::Status write_patches_npz(const std::filesystem::path& path, const Scene& scene, const Patches& patches,
-                              const Animation& animation) {
+                              const Animation& animation, const ShownAs& shown_as) {
   auto file = DurableFile::create(path);
   if (!file) return file.error();
   ZipStore zip(*file);
@@ -169,6 +182,7 @@ api::Status write_patches_npz(const std::filesystem::path& path, const Scene& sc
   if (auto done = write_motion(zip, animation); !done) return done;
   if (auto done = write_names(zip, "object_names", scene.objects); !done) return done;
   if (auto done = write_names(zip, "material_names", scene.materials); !done) return done;
+  if (auto done = write_shown_as(zip, shown_as); !done) return done;
   if (auto done = zip.finish(); !done) return done;
   if (auto published = file->publish(); !published) return published;
   return sync_folder(path.parent_path());

@@ -5,6 +5,7 @@
 #include "engine/base/durable_file.h"
 #include "engine/base/parallel.h"
 #include "engine/image/render_images.h"
+#include "engine/image/tone_map.h"
 
 namespace engine {
 namespace {
@@ -82,7 +83,8 @@ api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const Pat
 }
 
 api::Status publish_data(const LitScene& lit, const SolvedSequence& solved,
-                         const std::vector<Artefact>& images, const std::filesystem::path& folder) {
+                         const std::vector<Artefact>& images, api::UpAxis up,
+                         const std::filesystem::path& folder) {
   std::vector<Artefact> artefacts;
   std::vector<std::function<api::Status()>>
       writers;  // side by side: one waits for the disk, another computes
@@ -93,8 +95,11 @@ api::Status publish_data(const LitScene& lit, const SolvedSequence& solved,
   publish_series("radiosity.npy", solved.radiosity_w_m2);
   for (const NamedSeries& other : solved.others) publish_series(other.file, other.values_w_m2);
   artefacts.push_back({"patches.npz", "application/zip"});
-  writers.emplace_back(
-      [&] { return write_patches_npz(folder / "patches.npz", lit.scene, lit.patches, lit.animation); });
+  writers.emplace_back([&] {
+    const Vec3 upward = up == api::UpAxis::y ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+    const ShownAs shown_as{upward, auto_exposure_factor(lit.patches, lit.animation, solved.radiosity_w_m2)};
+    return write_patches_npz(folder / "patches.npz", lit.scene, lit.patches, lit.animation, shown_as);
+  });
   artefacts.push_back({"key_frames.json", "application/json"});
   writers.emplace_back(
       [&] { return write_file(folder / "key_frames.json", api::key_frame_report_json(solved.key_frames)); });

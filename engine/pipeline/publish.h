@@ -24,9 +24,10 @@ api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const Pat
                                                   api::JobReport& report);
 
 /// Writes radiosity.npy, the other series, patches.npz and key_frames.json, and last of all manifest.json,
-/// which lists these and `images`. Errors: disk_full; out_of_resources where patches.npz would exceed 4 GiB;
-/// internal for other I/O errors, and where one of `images` is not there.
+/// which lists these and `images`. `up`: the job's. Errors: disk_full; out_of_resources where patches.npz
+/// would exceed 4 GiB; internal for other I/O errors, and where one of `images` is not there.
 api::Status publish_data(const LitScene& lit, const SolvedSequence& solved,
-                         const std::vector<Artefact>& images, const std::filesystem::path& folder);
+                         const std::vector<Artefact>& images, api::UpAxis up,
+                         const std::filesystem::path& folder);
 
 }  // namespace engine

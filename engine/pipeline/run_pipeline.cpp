@@ -143,7 +143,7 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
                                      checkpoints, clock, report);
   if (!images) return images.error();
   const Progress& publishing = clock.begin(api::Stage::publish);
-  const auto published = publish_data(lit, *solved, *images, artefacts_folder);
+  const auto published = publish_data(lit, *solved, *images, request.scene.up, artefacts_folder);
   if (!published) return published;
   checkpoints.clear();
   publishing.report(1);

@@ -20,7 +20,7 @@ def check_patches(folder):
     assert zipfile.ZipFile(folder / "patches.npz").testzip() is None  # every CRC-32
     p = np.load(folder / "patches.npz", allow_pickle=False)
     assert set(p.files) == {"corners", "normal", "area_m2", "object", "material", "poses", "visible",
-                            "object_names", "material_names"}, p.files
+                            "object_names", "material_names", "up", "auto_exposure"}, p.files
     assert p["object_names"].tolist() == ["Fußboden", 'wing "left"']
     assert p["material_names"].tolist() == ["concrete", "paint"]
     # 2 m x 1 m in cells of 0.5 m: 8 fronts and 8 backs. Triangle: the longest edge, sqrt(2) m, needs 3 parts.
@@ -39,6 +39,7 @@ def check_patches(folder):
     assert p["visible"].tolist() == [[1, 1, 1], [1, 0, 1]] and p["visible"].dtype == np.uint8
     assert p["poses"].shape == (2, 3, 3, 4) and p["poses"].dtype == np.dtype("<f8")
     assert p["poses"][1, :, 0, 3].tolist() == [10, 0, 30]
+    assert p["up"].tolist() == [0, 0, 1] and p["auto_exposure"].tolist() == [0.25]
     return count
 
 

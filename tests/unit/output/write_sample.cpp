@@ -14,7 +14,7 @@ int main(int argument_count, char** arguments) {
                                         {"patches.npz", "application/zip"}};
   for (const auto& status : {engine::write_radiosity_npy(folder / "radiosity.npy", radiosity),
                              engine::write_patches_npz(folder / "patches.npz", tests::sample_scene(),
-                                                       *patches, tests::sample_animation()),
+                                                       *patches, tests::sample_animation(), {{0, 0, 1}, 0.25}),
                              engine::write_manifest(folder, artefacts)})
     if (!status) {
       std::fprintf(stderr, "%s\n", status.error().message.c_str());
