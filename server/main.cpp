@@ -71,7 +71,7 @@ HttpRules http_rules(const Config& config) {
   rules.host = config.host;
   rules.port = config.port;
   rules.this_machine_only = is_loopback(config.host);
-  rules.upload.total_bytes = config.upload_bytes_max;
+  rules.upload_bytes_max = config.upload_bytes_max;
   return rules;
 }
 
@@ -131,7 +131,10 @@ int run(const Config& config) {
   add_job_routes(router, jobs);
   add_result_routes(router, jobs);
   add_service_routes(router);
-  HttpServer http(router, jobs, *folder, http_rules(config));
+  UploadLimits limits;
+  limits.total_bytes = config.upload_bytes_max;
+  add_upload_routes(router, jobs, *folder, limits);
+  HttpServer http(router, http_rules(config));
   if (const api::Status bound = http.bind(); !bound) return refuse(bound.error(), kUnavailable);
 
   if (const api::Status clean = jobs.clean_up(); !clean) return refuse(clean.error(), kFailed);

@@ -1,4 +1,4 @@
-// The listening socket and everything cpp-httplib.
+// The listening socket.
 #pragma once
 
 #include <chrono>
@@ -9,8 +9,6 @@
 
 #include "api/result.h"
 #include "server/http/router.h"
-#include "server/http/upload_receiver.h"
-#include "server/jobs/job_service.h"
 
 namespace server {
 
@@ -18,7 +16,8 @@ struct HttpRules {
   std::string host = "127.0.0.1";
   int port = 8080;                ///< 0: any free one
   bool this_machine_only = true;  ///< `host` is a loopback address: see refuse_stranger
-  UploadLimits upload;
+  std::int64_t upload_bytes_max = std::int64_t{2} << 30;  ///< of one body that streams
+  std::size_t small_body_bytes_max = 1 << 20;             ///< of one that does not
   // A connection holds a thread as long as it is open: the number of threads is the number of clients at
   // once. All are there from the start, because the library's pool does not grow in a burst.
   std::size_t threads = 64;
@@ -30,8 +29,8 @@ struct HttpRules {
 
 class HttpServer {
  public:
-  /// What it is given must outlive it.
-  HttpServer(const Router& router, JobService& jobs, const DataFolder& folder, HttpRules rules);
+  /// `router` must outlive it.
+  HttpServer(const Router& router, HttpRules rules);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

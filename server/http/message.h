@@ -20,8 +20,9 @@ struct HttpRequest {
   std::vector<std::pair<std::string, std::string>> query;
   /// The header's value, or none; names in any case.
   std::function<std::optional<std::string>(std::string_view name)> header;
-  std::string body;   ///< of small bodies, as JSON ones are; empty where the body streams (uploads)
-  std::string owner;  ///< the name of the token that it was sent with; empty: none is asked for
+  std::string body = {};     ///< of small bodies, as JSON ones are; empty where the body streams (uploads)
+  std::string owner = {};    ///< the name of the token that it was sent with; empty: none is asked for
+  std::string address = {};  ///< of the client, or of the proxy before it
 
   std::optional<std::string> parameter(std::string_view name) const {
     for (const auto& [key, value] : query)
@@ -29,6 +30,10 @@ struct HttpRequest {
     return std::nullopt;
   }
 };
+
+/// Hands the body to `take`, piece by piece; stops when that answers false. False: it did not come to its
+/// end.
+using ReadBody = std::function<bool(const std::function<bool(std::string_view bytes)>& take)>;
 
 /// Bytes to be sent from a file: `prefix`, then `bytes` of the file from `offset`.
 struct FileBody {
@@ -58,9 +63,9 @@ struct HttpAnswer {
   /// answers false soon after the server is told to stop, and an empty piece at times, so that a client that
   /// has gone is noticed.
   std::function<bool(std::string& piece)> stream;
-  std::string etag;                ///< strong, without quotes; empty: none
-  bool ranges = false;             ///< ranges and conditions apply (files)
-  std::optional<ByteRange> part;   ///< set by apply_conditions
+  std::string etag;               ///< strong, without quotes; empty: none
+  bool ranges = false;            ///< ranges and conditions apply (files)
+  std::optional<ByteRange> part;  ///< set by apply_conditions
 
   std::int64_t size() const { return file ? file->size() : static_cast<std::int64_t>(body.size()); }
 };

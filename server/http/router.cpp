@@ -57,6 +57,29 @@ void Router::add(std::string method, std::string pattern, RouteHandler handler) 
   routes_.push_back({std::move(method), std::move(pattern), std::move(handler)});
 }
 
+void Router::add_upload(std::string method, std::string pattern, UploadHandler upload,
+                        EarlyRefusal refuse_early) {
+  auto route = std::find_if(routes_.begin(), routes_.end(), [&](const Route& known) {
+    return known.method == method && known.pattern == pattern;
+  });
+  if (route == routes_.end()) {
+    const auto no_body = [](const HttpRequest& request, const PathValues&) {
+      return problem(411, "a body is expected here", request.path);
+    };
+    route = routes_.insert(routes_.end(), {std::move(method), std::move(pattern), no_body});
+  }
+  route->upload = std::move(upload);
+  route->refuse_early = std::move(refuse_early);
+}
+
+FoundRoute Router::find(std::string_view method, std::string_view path) const {
+  if (method == "HEAD") method = "GET";
+  for (const Route& route : routes_)
+    if (route.method == method)
+      if (auto values = match(route.pattern, path)) return {&route, std::move(*values)};
+  return {};
+}
+
 HttpAnswer Router::answer(const HttpRequest& request) const {
   const std::string_view method = request.method == "HEAD" ? "GET" : std::string_view(request.method);
   std::set<std::string> other_methods;

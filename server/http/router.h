@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,16 +17,34 @@ using PathValues = std::map<std::string, std::string, std::less<>>;
 
 using RouteHandler = std::function<HttpAnswer(const HttpRequest&, const PathValues&)>;
 
+/// Takes a body that is too large to hold, as it comes in.
+using UploadHandler = std::function<HttpAnswer(const HttpRequest&, const PathValues&, const ReadBody&)>;
+
+/// A refusal that needs no byte of the body: wrong type, too large by its own word. None: let it come.
+using EarlyRefusal = std::function<std::optional<HttpAnswer>(const HttpRequest&)>;
+
 struct Route {
   std::string method;
   std::string pattern;  ///< as in api/openapi.yaml: "/v1/jobs/{id}/frames/{f}"
   RouteHandler handler;
+  UploadHandler upload = {};       ///< instead of `handler` where the request comes over a socket
+  EarlyRefusal refuse_early = {};  ///< asked before `upload`, also for `Expect: 100-continue`
+};
+
+struct FoundRoute {
+  const Route* route = nullptr;  ///< none: no such route
+  PathValues values;
 };
 
 /// Hand-written: no regular expression ever sees a stranger's path.
 class Router {
  public:
   void add(std::string method, std::string pattern, RouteHandler handler);
+
+  /// A route with a body that streams; the route may have been added with a handler before.
+  void add_upload(std::string method, std::string pattern, UploadHandler upload, EarlyRefusal refuse_early);
+
+  FoundRoute find(std::string_view method, std::string_view path) const;
 
   /// The route's answer; 404 where no pattern fits, 405 with `Allow` where one does under another method.
   /// HEAD is answered as GET; the body is left out when it is sent. Conditions and ranges are applied.

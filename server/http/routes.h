@@ -20,12 +20,11 @@ void add_result_routes(Router& router, JobService& jobs);
 /// /healthz, /version, /openapi.json
 void add_service_routes(Router& router);
 
-/// Hands the body to `take`, piece by piece; stops when that answers false. False: it did not come to its
-/// end.
-using ReadBody = std::function<bool(const std::function<bool(std::string_view bytes)>& take)>;
+/// The uploads of POST /v1/jobs and /v1/validate, to be added after add_job_routes.
+void add_upload_routes(Router& router, JobService& jobs, const DataFolder& folder,
+                       const UploadLimits& limits);
 
-/// POST /v1/jobs and /v1/validate, operationIds submitJob and validateJob. No routes of the router, because
-/// their body streams.
+/// POST /v1/jobs and /v1/validate, operationIds submitJob and validateJob.
 inline constexpr std::string_view kSubmitPath = "/v1/jobs", kValidatePath = "/v1/validate";
 HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
                     const DataFolder& folder, const UploadLimits& limits);
