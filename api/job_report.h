@@ -82,6 +82,8 @@ struct JobReport {
   /// Of what the artefacts were made from, the input files and the program: 64 hexadecimal digits. Empty
   /// where a run did not succeed.
   std::string fingerprint = {};
+  /// What the kernel held the worker to, as "landlock 7, seccomp, limits". Empty where it was not shut in.
+  std::string sandbox = {};
 };
 
 // Defined in api/json/. Readers take documents of older and newer versions: what is not known is let pass.

@@ -169,6 +169,7 @@ JobReport read_job_report(const Node& root) {
   report.target_error = known_number(root, "target_error");
   report.target_error_met = known_boolean(root, "target_error_met");
   if (known_member(root, "fingerprint")) take_string(root, "fingerprint", report.fingerprint);
+  if (known_member(root, "sandbox")) take_string(root, "sandbox", report.sandbox);
   if (const auto forecast = known_member(root, "forecast"))
     if (is_object(*forecast)) report.forecast = read_forecast(*forecast);
   return report;
@@ -238,6 +239,7 @@ std::string job_report_json(const JobReport& report) {
   json["target_error_met"] = optional_json(report.target_error_met);
   json["forecast"] = report.forecast ? json_of(*report.forecast) : Json(nullptr);
   json["fingerprint"] = report.fingerprint.empty() ? Json(nullptr) : Json(report.fingerprint);
+  json["sandbox"] = report.sandbox.empty() ? Json(nullptr) : Json(report.sandbox);
   return json_text(json);
 }
 

@@ -10,6 +10,7 @@
 #include "engine/worker/commands.h"
 #include "engine/worker/job_folder.h"
 #include "engine/worker/outcome.h"
+#include "engine/worker/sandbox.h"
 #include "engine/worker/supervision.h"
 #include "engine/worker/wall_clock.h"
 
@@ -66,6 +67,9 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
   if (command.parent) {
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
   }
+  const api::Result<std::string> sandbox =
+      command.sandbox ? enter_sandbox(command.job_folder) : std::string();
+  if (!sandbox) return give_up(sandbox.error());
   std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
   std::atomic<const JobFolder*> opened = nullptr;  // what the watch may write into
   const auto watch = Watch::start({.end_with_stdin = command.parent.has_value(),
@@ -85,6 +89,7 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
   opened = &folder.emplace(std::move(*found));
 
   api::JobReport report;
+  report.sandbox = *sandbox;
   const api::Status status =
       without_exceptions([&] { return run_check(*folder, command.threads, checker, parts.refuse, report); });
   complete_report(status, seconds_since(start), report);

@@ -101,6 +101,9 @@ api::Result<Command> parse_render(std::span<const std::string_view> words) {
   const auto again = take_switch("--again", others);
   if (!again) return again.error();
   command.again = *again;
+  const auto sandbox = take_switch("--sandbox", others);
+  if (!sandbox) return sandbox.error();
+  command.sandbox = *sandbox;
   const auto folder = parse_words(others, [&](const Word& word) -> api::Status {
     if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
     if (word.name == "--checkpoint-seconds")
@@ -115,7 +118,11 @@ api::Result<Command> parse_render(std::span<const std::string_view> words) {
 
 api::Result<Command> parse_check(std::span<const std::string_view> words) {
   CheckCommand command;
-  const auto folder = parse_words(words, [&](const Word& word) -> api::Status {
+  std::vector<std::string_view> others(words.begin(), words.end());
+  const auto sandbox = take_switch("--sandbox", others);
+  if (!sandbox) return sandbox.error();
+  command.sandbox = *sandbox;
+  const auto folder = parse_words(others, [&](const Word& word) -> api::Status {
     if (word.name == "--memory-mb")
       return take_number(word, kCheckMemoryMbMin, kCheckMemoryMbMax, command.memory_mb);
     if (word.name == "--seconds") return take_number(word, 1, kCheckSecondsMax, command.seconds);
@@ -203,7 +210,9 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
 
 std::string usage_line() {
   return "usage: keylume render JOB_FOLDER [--again] [--threads N] [--checkpoint-seconds N] [--parent PID]\n"
-         "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID]\n"
+         "                      [--sandbox]\n"
+         "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID] "
+         "[--sandbox]\n"
          "       keylume bench paper [--scene NAME] [--out FOLDER] [--seed N] [--quick] [--examples FOLDER]\n"
          "       keylume bench limit|scaling|peers [--part NAME] [--repetitions N] [--out FOLDER] [--seed N] "
          "[--quick]\n"
@@ -224,6 +233,9 @@ render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what 
   --checkpoint-seconds N
                   save what a killed run can go on from at least N seconds apart (10)
   --parent PID    for supervisors: end when process PID ends, or when standard input closes
+  --sandbox       before the job is read, give up what a run does not need: other files than those of the job
+                  folder and the system's libraries, sockets, other processes; report.json says what the
+                  kernel could enforce
 
 check    Reads the job, counts its patches and forecasts what a run takes. Says so, and in check.json; touches
          nothing else, so that a run in the same folder goes on and its report.json stays.
@@ -231,6 +243,7 @@ check    Reads the job, counts its patches and forecasts what a run takes. Says 
   --memory-mb N   at most N MiB of memory for the job (2048)
   --seconds N     at most N seconds of processor time (60)
   --parent PID    as for render
+  --sandbox       as for render
 
 bench    Runs jobs as users run them and times them; prints a report and leaves report.md, report.json and
          tables for plots. Takes many minutes; what was run already by the same program is not run again.

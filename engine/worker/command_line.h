@@ -27,6 +27,7 @@ struct RenderCommand {
   unsigned threads = 0;              ///< 0: all cores; 1 .. kThreadsMax
   unsigned checkpoint_seconds = 10;  ///< [s] between checkpoints, at least; 0 .. kCheckpointSecondsMax
   bool again = false;                ///< also where an earlier run has left all there is to make
+  bool sandbox = false;              ///< enter_sandbox before anything of the job is read
   std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
 };
 
@@ -35,6 +36,7 @@ struct CheckCommand {
   std::uint64_t memory_mb = 2048;    ///< [MiB] for the job; kCheckMemoryMbMin .. kCheckMemoryMbMax
   std::uint64_t seconds = 60;        ///< [s] of processor time, over all threads; 1 .. kCheckSecondsMax
   unsigned threads = 0;              ///< that the forecast is for; 0: all cores; 1 .. kThreadsMax
+  bool sandbox = false;              ///< enter_sandbox before anything of the job is read
   std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
 };
 

@@ -12,6 +12,7 @@
 #include "engine/worker/job_folder.h"
 #include "engine/worker/outcome.h"
 #include "engine/worker/progress_file.h"
+#include "engine/worker/sandbox.h"
 #include "engine/worker/supervision.h"
 #include "engine/worker/wall_clock.h"
 
@@ -145,6 +146,9 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, con
   if (command.parent) {
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
   }
+  const api::Result<std::string> sandbox =
+      command.sandbox ? enter_sandbox(command.job_folder) : std::string();
+  if (!sandbox) return give_up(sandbox.error());
   std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
   std::atomic<const JobFolder*> locked = nullptr;  // the watch must not write into a folder that is not ours
   const auto watch =
@@ -166,6 +170,7 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, con
   locked = &*folder;  // not before: being stopped must not replace the report of a run that is done
 
   api::JobReport report;
+  report.sandbox = *sandbox;
   const api::Status status = without_exceptions([&] {
     return run_attempt(*folder, command, pipeline, parts.refuse, fingerprint, **watch, start, report);
   });

@@ -179,7 +179,7 @@ AttemptOutcome outcome_of(const ProcessEnd& end) {
 AttemptOutcome run_attempt(JobService& jobs, const Claim& claim, const WorkerRules& rules,
                            const Doorbell& bell, const std::atomic<bool>& stopping) {
   std::vector<std::string> arguments{"render", jobs.folder_of(claim.job).string(), "--parent",
-                                     std::to_string(::getpid())};
+                                     std::to_string(::getpid()), "--sandbox"};
   arguments.insert(arguments.end(), rules.render_options.begin(), rules.render_options.end());
   // Before the worker starts, so that none of its lines is taken for one of an earlier attempt.
   ProgressTail tail(jobs.folder_of(claim.job));

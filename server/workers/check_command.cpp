@@ -77,7 +77,8 @@ api::Status run_check(const CheckRules& rules, const std::filesystem::path& fold
   std::vector<std::string> arguments{"check",       folder.string(),
                                      "--memory-mb", std::to_string(rules.memory_mb),
                                      "--seconds",   std::to_string(rules.processor_seconds),
-                                     "--parent",    std::to_string(getpid())};
+                                     "--parent",    std::to_string(getpid()),
+                                     "--sandbox"};
   if (rules.render_threads > 0)
     arguments.insert(arguments.end(), {"--threads", std::to_string(rules.render_threads)});
   auto worker = ChildProcess::start(rules.program, arguments);

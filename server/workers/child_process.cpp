@@ -11,6 +11,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <mutex>
 #include <utility>
 
 namespace server {
@@ -61,6 +62,18 @@ class SpawnPlan {
   posix_spawnattr_t attributes_;
 };
 
+/// The children of all ChildProcess objects. Locked while one is started or reaped: what is not in the list
+/// then is a stray.
+struct Children {
+  std::mutex mutex;
+  std::vector<pid_t> living;
+};
+
+Children& children() {
+  static Children all;
+  return all;
+}
+
 FileHandle open_pid(pid_t pid) {
   return FileHandle(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
 }
@@ -68,7 +81,8 @@ FileHandle open_pid(pid_t pid) {
 }  // namespace
 
 api::Result<ChildProcess> ChildProcess::start(const std::filesystem::path& program,
-                                              const std::vector<std::string>& arguments) {
+                                              const std::vector<std::string>& arguments,
+                                              const ChildLimits& limits) {
   auto input = make_pipe();
   if (!input) return input.error();
   auto output = make_pipe();
@@ -81,13 +95,20 @@ api::Result<ChildProcess> ChildProcess::start(const std::filesystem::path& progr
 
   const SpawnPlan plan(input->read.get(), output->write.get());
   ChildProcess child;
-  const int error =
-      ::posix_spawn(&child.pid_, name.c_str(), plan.actions(), plan.attributes(), argv.data(), environ);
+  const int error = [&] {
+    const std::lock_guard lock(children().mutex);
+    adopt_strays();
+    const int failed =
+        ::posix_spawn(&child.pid_, name.c_str(), plan.actions(), plan.attributes(), argv.data(), environ);
+    if (failed == 0) children().living.push_back(child.pid_);
+    return failed;
+  }();
   if (error != 0) {
     child.pid_ = -1;
     return api::Error{error == ENOENT ? api::Fault::not_found : api::Fault::internal,
                       file_error("start " + name, error).message};
   }
+  limit_child(child.pid_, limits);
   child.pid_descriptor_ = open_pid(child.pid_);
   if (!child.pid_descriptor_) return file_error("watch " + name, errno);  // the destructor ends the child
   child.input_ = std::move(input->write);
@@ -123,10 +144,13 @@ ProcessEnd ChildProcess::reap() {
   siginfo_t information{};
   while (::waitid(P_PID, static_cast<id_t>(pid_), &information, WEXITED | WNOWAIT) != 0 && errno == EINTR) {
   }
+  const std::lock_guard lock(children().mutex);
   signal_group(SIGKILL);
   int status = 0;
   while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
   }
+  std::erase(children().living, pid_);
+  (void)kill_strays(children().living);
   pid_ = -1;
   if (WIFSIGNALED(status)) return {std::nullopt, WTERMSIG(status)};
   return {WEXITSTATUS(status), std::nullopt};

@@ -12,6 +12,7 @@
 #include "api/result.h"
 #include "server/artefacts/files.h"
 #include "server/store/job_rows.h"
+#include "server/workers/sandbox.h"
 
 namespace server {
 
@@ -23,7 +24,8 @@ struct ProcessEnd {
 
 /// Leader of its own session and process group, with default signal handling and no descriptors of ours but:
 /// standard input, a pipe that ends when we do, so that the child learns of our death; standard output and
-/// standard error, one pipe to `output`. Killed and reaped with its owner.
+/// standard error, one pipe to `output`. Killed and reaped with its owner, and so is what it left behind,
+/// wherever that hid.
 ///
 /// The kernel binds a child's "die with my parent" to the thread that spawned it: that thread must live as
 /// long as the child.
@@ -31,7 +33,8 @@ class ChildProcess {
  public:
   /// Errors: not_found or internal when the program cannot be started.
   static api::Result<ChildProcess> start(const std::filesystem::path& program,
-                                         const std::vector<std::string>& arguments);
+                                         const std::vector<std::string>& arguments,
+                                         const ChildLimits& limits = {});
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
   ChildProcess(const ChildProcess&) = delete;

@@ -152,6 +152,20 @@ int leave_a_grandchild(const path& job) {
   return succeed(job);
 }
 
+/// In a session of its own, where no signal to the worker's group reaches it.
+int leave_a_hidden_process(const path& job) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setsid();
+    const pid_t hidden = ::fork();
+    if (hidden != 0) ::_exit(0);
+    write(job / "hidden", std::to_string(::getpid()));
+    for (;;) std::this_thread::sleep_for(1h);
+  }
+  while (!std::filesystem::exists(job / "hidden")) std::this_thread::sleep_for(1ms);
+  return succeed(job);
+}
+
 int refuse(const path& job) {
   const api::Violation violation{"scene.obj", "", 12, 4, "index_out_of_range", "vertex 9 does not exist"};
   for (const char* file : {"report.json", "check.json"})  // of a run, of a check
@@ -173,6 +187,7 @@ const std::vector<std::pair<std::string, std::function<int(const path&)>>> kBeha
     {"flood_log_then_succeed", flood_log_then_succeed},
     {"garble_progress_then_succeed", garble_progress_then_succeed},
     {"leave_a_grandchild", leave_a_grandchild},
+    {"leave_a_hidden_process", leave_a_hidden_process},
     {"refuse", refuse},
     {"limit", [](const path&) { return code(api::ExitCode::limit_exceeded); }},
     {"disk_full", [](const path&) { return code(api::ExitCode::disk_full); }},

@@ -201,6 +201,14 @@ TEST_F(WorkersTest, NothingOfAWorkerOutlivesIt) {
   EXPECT_TRUE(becomes_true([&] { return !is_alive(grandchild); }));
 }
 
+TEST_F(WorkersTest, AProcessThatHidFromItsGroupDoesNotOutliveTheWorkerEither) {
+  const Job done = run_to_end("leave_a_hidden_process");
+  EXPECT_EQ(done.state, JobState::succeeded) << done.message;
+  const pid_t hidden = std::atoi(read_text(jobs_->folder_of(done) / "hidden").c_str());
+  ASSERT_GT(hidden, 0);
+  EXPECT_TRUE(becomes_true([&] { return !is_alive(hidden); }));
+}
+
 TEST_F(WorkersTest, RefusedAndTooLargeJobsAreNotTriedAgain) {
   const Job refused = run_to_end("refuse\nsucceed");
   EXPECT_EQ(refused.state, JobState::failed);

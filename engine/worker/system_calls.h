@@ -1,0 +1,18 @@
+// Which system calls this process may make, kept by the kernel (seccomp).
+#pragma once
+
+#include "api/result.h"
+
+namespace engine {
+
+/// From now on the calling thread, and those it starts, cannot open sockets, start processes or programs,
+/// look into or signal other processes, change owners or modes of files, mount, load, or ask for what a
+/// renderer never needs: such calls fail with EPERM. Never undone.
+///
+/// Refuses what is listed and lets the rest pass: libraries use what they like from one version to the next,
+/// and a run that dies of a harmless call helps nobody. Files are Landlock's business.
+///
+/// -> false where the kernel has no filters, or we no list for this processor. Errors: internal.
+api::Result<bool> refuse_system_calls();
+
+}  // namespace engine

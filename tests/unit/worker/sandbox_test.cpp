@@ -1,0 +1,85 @@
+// What a process in the sandbox can still do, tried by a program that does its worst.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "engine/worker/landlock.h"
+#include "engine/worker/supervision.h"
+#include "tests/support/temporary_folder.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void write(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file) << text;
+}
+
+class Sandbox : public testing::Test {
+ protected:
+  void SetUp() override {
+    write(job() / "input/scene.obj", "v 0 0 0\n");
+    fs::create_directories(job() / "artefacts");
+    write(outside() / "secret", "of another job");
+    const std::string command =
+        std::string(KEYLUME_SANDBOXED) + " " + job().string() + " " + outside().string();
+    const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), pclose);
+    char line[256];
+    while (output && std::fgets(line, sizeof line, output.get()))
+      if (const std::string text = line; text.find(": ") != text.npos)
+        outcome_[text.substr(0, text.find(": "))] =
+            text.substr(text.find(": ") + 2, text.size() - text.find(": ") - 3);
+  }
+  fs::path job() const { return folder_.path() / "job"; }
+  fs::path outside() const { return folder_.path() / "other"; }
+  void expect(const std::string& outcome, std::initializer_list<const char*> names) {
+    for (const char* name : names) EXPECT_EQ(outcome_[name], outcome) << name;
+  }
+  bool has(const char* part) { return outcome_["in force"].find(part) != std::string::npos; }
+
+  tests::TemporaryFolder folder_;
+  std::map<std::string, std::string> outcome_;
+};
+
+TEST_F(Sandbox, ReachesNoFileOutsideTheJob) {
+  if (engine::landlock_version() == 0) GTEST_SKIP() << "the kernel has no Landlock";
+  EXPECT_TRUE(has("landlock")) << outcome_["in force"];
+  expect("EACCES", {"read a system file", "list the root", "read outside", "read outside by dots",
+                    "write outside", "remove outside", "link to outside", "make a device"});
+  EXPECT_NE(outcome_["read another process"], "done");
+  EXPECT_NE(outcome_["run a program"], "done");
+  EXPECT_NE(outcome_["move in from outside"], "done");
+  if (engine::landlock_version() >= 3) expect("EACCES", {"truncate outside"});
+  std::string secret;
+  std::getline(std::ifstream(outside() / "secret"), secret);
+  EXPECT_EQ(secret, "of another job");
+  EXPECT_FALSE(fs::exists(outside() / "made"));
+}
+
+TEST_F(Sandbox, OpensNoSocketsAndTouchesNoProcesses) {
+  if (!has("seccomp")) GTEST_SKIP() << "no system call filter here: " << outcome_["in force"];
+  expect("EPERM",
+         {"open a socket", "open a unix socket", "open a pair of sockets", "mount", "change a mode outside"});
+  if (!engine::kMemoryCanBeLimited) return;  // sanitizers need what follows for themselves
+  expect("EPERM", {"fork", "trace", "signal the parent"});
+}
+
+TEST_F(Sandbox, LeavesWhatARunNeeds) {
+  expect("done", {"read a library", "read inside", "write inside", "start a thread", "signal itself"});
+  if (engine::landlock_version() != 1) expect("done", {"rename inside"});
+}
+
+TEST_F(Sandbox, LimitsFilesInSizeAndNumber) {
+  expect("EFBIG", {"write a huge file"});
+  expect("EMFILE", {"open many files"});
+  EXPECT_NE(outcome_["gain a user"], "done");
+}
+
+}  // namespace
