@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "api/fault_point.h"
+
 namespace engine {
 
 api::Error file_error(std::string_view action, const std::filesystem::path& path, int errno_value) {
@@ -69,7 +71,9 @@ api::Status DurableFile::publish() {
   const int closed = ::close(std::exchange(descriptor_, -1)) == 0 ? 0 : errno;
   if (synced != 0) return fail("fsync", synced);
   if (closed != 0) return fail("close", closed);
+  api::fault_point("file_written");
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return fail("rename", errno);
+  api::fault_point("file_renamed");
   return api::Done{};
 }
 

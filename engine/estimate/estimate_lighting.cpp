@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "api/fault_point.h"
 #include "engine/base/sobol.h"
 #include "engine/lighting/solve_difference.h"
 #include "engine/patches/texture_reflectance.h"
@@ -156,6 +157,7 @@ api::Status Estimator::add_replicate(const Progress& progress) {
       return s.error();
     finish_window();
     if (files_ && files_->due()) save();
+    api::fault_point("window_estimated");
   }
   return api::Done{};
 }

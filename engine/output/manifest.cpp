@@ -1,6 +1,7 @@
 #include <optional>
 #include <vector>
 
+#include "api/fault_point.h"
 #include "engine/base/parallel.h"
 #include "engine/base/sha256.h"
 #include "engine/output/artefacts.h"
@@ -45,6 +46,7 @@ api::Status write_manifest(const std::filesystem::path& folder, std::span<const 
             ",\"bytes\":" + std::to_string(digest->bytes) + ",\"sha256\":\"" + digest->sha256 + "\"}";
     separator = ",\n";
   }
+  api::fault_point("manifest_due");
   return write_file(folder / "manifest.json", json + "\n]}\n");
 }
 

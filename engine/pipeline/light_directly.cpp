@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "api/fault_point.h"
 #include "engine/base/sobol.h"
 #include "engine/direct/direct_checkpoint.h"
 
@@ -66,6 +67,7 @@ class DirectPass {
       if (const auto s = lighter.light(first, end, direct, part_of(progress, share(first), share(end))); !s)
         return s.error();
       if (checkpoints_.due() || (end == patches && took() > kWorthSaving)) save(g, end, direct);
+      api::fault_point("patches_lit");
     }
     return direct;
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "api/fault_point.h"
 #include "engine/base/sobol.h"
 #include "engine/keyframes/check_errors.h"
 #include "engine/keyframes/fewest_key_frames.h"
@@ -70,6 +71,7 @@ class IndirectSolver {
       const bool begins_again = (all_done || done_ == kEarlyCheck) && splits_bad_intervals();
       if (all_done && !begins_again) ask_for_more();
       if (checkpoints_.due() && 0 < done_ && done_ < replicates_) save();
+      api::fault_point("replicate_solved");
     }
     return IndirectLight{std::move(frames_), std::move(*mean_),    std::move(of_name_),
                          std::move(names_),  std::move(observed_), counts_};

@@ -1,5 +1,6 @@
 #include "engine/pipeline/run_pipeline.h"
 
+#include "api/fault_point.h"
 #include "engine/animation/check_light_groups.h"
 #include "engine/base/parallel.h"
 #include "engine/image/texture_file.h"
@@ -145,6 +146,7 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
   const Progress& publishing = clock.begin(api::Stage::publish);
   const auto published = publish_data(lit, *solved, *images, request.scene.up, artefacts_folder);
   if (!published) return published;
+  api::fault_point("artefacts_published");
   checkpoints.clear();
   publishing.report(1);
   return published;

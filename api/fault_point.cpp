@@ -1,0 +1,41 @@
+#include "api/fault_point.h"
+
+#include <signal.h>
+
+#include <atomic>
+#include <charconv>
+#include <cstdlib>
+#include <string>
+
+namespace api {
+namespace {
+
+struct Fault {
+  std::string name;
+  unsigned times = 1;
+};
+
+/// Read once: what changes the environment later changes nothing.
+const Fault& fault_asked_for() {
+  static const Fault asked = [] {
+    const char* value = std::getenv("KEYLUME_FAULT");
+    const std::string_view text = value ? value : "";
+    const std::size_t colon = text.find(':');
+    Fault fault{std::string(text.substr(0, colon))};
+    if (colon != text.npos)
+      (void)std::from_chars(text.data() + colon + 1, text.data() + text.size(), fault.times);
+    return fault;
+  }();
+  return asked;
+}
+
+}  // namespace
+
+void fault_point(std::string_view name) {
+  const Fault& fault = fault_asked_for();
+  if (fault.name.empty() || fault.name != name) return;
+  static std::atomic<unsigned> passed = 0;
+  if (++passed == fault.times) (void)::raise(SIGKILL);
+}
+
+}  // namespace api
