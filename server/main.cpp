@@ -12,6 +12,7 @@
 
 #include "server/artefacts/data_folder.h"
 #include "server/config.h"
+#include "server/events/event_hub.h"
 #include "server/http/http_server.h"
 #include "server/http/routes.h"
 #include "server/jobs/job_service.h"
@@ -100,7 +101,7 @@ class StopDeadline {
 };
 
 /// Answers requests until a signal comes. -> exit code
-int serve(HttpServer& http, Supervisor& supervisor, const sigset_t& signals) {
+int serve(HttpServer& http, EventHub& hub, Supervisor& supervisor, const sigset_t& signals) {
   bool failed = false;
   std::thread listener([&] {
     failed = !http.run();
@@ -110,6 +111,7 @@ int serve(HttpServer& http, Supervisor& supervisor, const sigset_t& signals) {
   sigwait(&signals, &signal);
   log_line("stopping");
   const StopDeadline deadline;
+  hub.stop();  // or listeners would hold their threads
   http.stop();
   supervisor.stop();
   listener.join();
@@ -123,6 +125,8 @@ int run(const Config& config) {
     return refuse(folder.error(), folder.error().fault == api::Fault::wrong_state ? kInUse : kFailed);
   const auto store = JobStore::open(folder->database());
   if (!store) return refuse(store.error(), kFailed);
+  const auto events = EventReader::open(folder->database());
+  if (!events) return refuse(events.error(), kFailed);
   const auto bell = Doorbell::create();
   if (!bell) return refuse(bell.error(), kFailed);
 
@@ -130,6 +134,8 @@ int run(const Config& config) {
   Router router;
   add_job_routes(router, jobs);
   add_result_routes(router, jobs);
+  EventHub hub(**events);
+  add_event_routes(router, jobs, hub);
   add_service_routes(router);
   UploadLimits limits;
   limits.total_bytes = config.upload_bytes_max;
@@ -138,11 +144,12 @@ int run(const Config& config) {
   if (const api::Status bound = http.bind(); !bound) return refuse(bound.error(), kUnavailable);
 
   if (const api::Status clean = jobs.clean_up(); !clean) return refuse(clean.error(), kFailed);
+  if (const api::Status started = hub.start(); !started) return refuse(started.error(), kFailed);
   Supervisor supervisor(jobs, *bell, worker_rules(config));
   if (const api::Status started = supervisor.start(); !started) return refuse(started.error(), kFailed);
   log_line("listening on http://" + config.host + ":" + std::to_string(http.port()) + ", data in " +
            config.data.string() + ", worker " + config.worker.string());
-  return serve(http, supervisor, signals);
+  return serve(http, hub, supervisor, signals);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "server/artefacts/data_folder.h"
+#include "server/events/event_hub.h"
 #include "server/http/message.h"
 #include "server/http/router.h"
 #include "server/http/upload_receiver.h"
@@ -17,6 +18,8 @@ namespace server {
 void add_job_routes(Router& router, JobService& jobs);
 /// /v1/jobs/{id}/key-frames, frames, images, radiosity, patches, manifest, report, log
 void add_result_routes(Router& router, JobService& jobs);
+/// /v1/events, /v1/jobs/{id}/events
+void add_event_routes(Router& router, JobService& jobs, EventHub& hub);
 /// /healthz, /version, /openapi.json
 void add_service_routes(Router& router);
 

@@ -28,6 +28,11 @@ constexpr Pragma kPragmas[]{
     {"mmap_size", "0", "0"},  // a read error is an error code, not SIGBUS
 };
 
+constexpr Pragma kReadPragmas[]{
+    {"query_only", "ON", "1"},      {"busy_timeout", "5000", "5000"}, {"trusted_schema", "OFF", "0"},
+    {"cell_size_check", "ON", "1"}, {"mmap_size", "0", "0"},
+};
+
 api::Status set_pragma(Database& database, const Pragma& pragma) {
   const std::string name = pragma.name;
   if (api::Status set = database.execute("PRAGMA " + name + "=" + pragma.value); !set) return set;
@@ -54,20 +59,33 @@ void Database::Close::operator()(sqlite3* handle) const {
   sqlite3_close(handle);
 }
 
-api::Result<Database> Database::open(const std::filesystem::path& file) {
+api::Result<Database> Database::open_file(const std::filesystem::path& file, int flags) {
   if (sqlite3_libversion_number() < kOldestSqlite)
     return api::Error{api::Fault::internal,
                       "SQLite 3.37 or newer is needed, this is " + std::string(sqlite3_libversion())};
   sqlite3* handle = nullptr;
-  constexpr int kFlags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
-  const int code = sqlite3_open_v2(file.c_str(), &handle, kFlags, nullptr);
+  const int code = sqlite3_open_v2(file.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   Database database;
   database.handle_.reset(handle);
   if (code != SQLITE_OK)
     return sqlite_error(code, file.string() + ": " + (handle ? sqlite3_errmsg(handle) : "no memory"));
   harden(handle);
+  return database;
+}
+
+api::Result<Database> Database::open(const std::filesystem::path& file) {
+  auto database = open_file(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+  if (!database) return database;
   for (const Pragma& pragma : kPragmas)
-    if (const api::Status set = set_pragma(database, pragma); !set) return set.error();
+    if (const api::Status set = set_pragma(*database, pragma); !set) return set.error();
+  return database;
+}
+
+api::Result<Database> Database::open_to_read(const std::filesystem::path& file) {
+  auto database = open_file(file, SQLITE_OPEN_READONLY);
+  if (!database) return database;
+  for (const Pragma& pragma : kReadPragmas)
+    if (const api::Status set = set_pragma(*database, pragma); !set) return set.error();
   return database;
 }
 

@@ -21,6 +21,10 @@ class Database {
   /// descriptor would drop SQLite's locks.
   static api::Result<Database> open(const std::filesystem::path& file);
 
+  /// A connection that cannot write, beside the one that does: for what watches while others wait for that
+  /// one. The file must exist.
+  static api::Result<Database> open_to_read(const std::filesystem::path& file);
+
   Statement prepare(std::string_view sql) { return Statement(handle_.get(), sql); }
 
   /// One or more statements without values or rows of interest.
@@ -35,6 +39,8 @@ class Database {
   struct Close {
     void operator()(sqlite3* handle) const;
   };
+  static api::Result<Database> open_file(const std::filesystem::path& file, int flags);
+
   std::unique_ptr<sqlite3, Close> handle_;
 };
 

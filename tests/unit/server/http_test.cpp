@@ -241,6 +241,10 @@ TEST_F(ServiceTest, EveryRouteIsInTheContractAndTheReverse) {
   Router router;
   add_job_routes(router, *jobs_);
   add_result_routes(router, *jobs_);
+  const auto events = EventReader::open(folder_->database());
+  ASSERT_TRUE(events);
+  EventHub hub(**events);
+  add_event_routes(router, *jobs_, hub);
   add_service_routes(router);
   std::set<std::string> ours;
   for (const Route& route : router.routes()) ours.insert(route.method + " " + route.pattern);

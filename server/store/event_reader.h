@@ -1,0 +1,65 @@
+// What happened to jobs, read beside the connection that writes it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/result.h"
+#include "server/store/database.h"
+
+namespace server {
+
+/// One step of a job between states. The ids rise, are never used twice, and outlive restarts.
+struct JobEvent {
+  std::int64_t id = 0;
+  std::int64_t at_ms = 0;
+  std::int64_t job_seq = 0;
+  std::string job_id;
+  std::optional<std::string> from;  ///< none: the job was submitted
+  std::string to;
+  std::string reason;
+  std::string message;
+};
+
+/// How far a job is that a worker is at.
+struct JobProgress {
+  std::int64_t job_seq = 0;
+  std::string job_id;
+  std::int64_t version = 0;
+  std::int64_t attempt = 0;
+  std::optional<std::string> stage;
+  double stage_fraction = 0;
+  double fraction = 0;
+  std::optional<double> seconds_left;
+};
+
+/// Safe for use by several threads. The events of a removed job go with it.
+class EventReader {
+ public:
+  /// The database must have been opened, and brought up to date, by a JobStore.
+  static api::Result<std::unique_ptr<EventReader>> open(const std::filesystem::path& file);
+
+  /// Has anything been committed since the last call, or since `open`? Costs microseconds.
+  api::Result<bool> changed();
+  /// 0: none yet.
+  api::Result<std::int64_t> newest();
+  /// Oldest first, of all jobs or of one.
+  api::Result<std::vector<JobEvent>> after(std::int64_t id, std::optional<std::int64_t> job_seq,
+                                           std::int64_t limit);
+  /// Of all jobs that are being worked at.
+  api::Result<std::vector<JobProgress>> progress();
+
+ private:
+  explicit EventReader(Database database) : database_(std::move(database)) {}
+
+  std::mutex mutex_;
+  Database database_;
+  std::int64_t seen_version_ = -1;
+};
+
+}  // namespace server
