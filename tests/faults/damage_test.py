@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""A database that is damaged, newer or incomplete, a folder that cannot be written, a clock that jumps: the service
+starts with all its jobs, or says why it does not, and never begins anew on top of what it cannot read."""
+import os
+import shutil
+import sqlite3
+import subprocess
+import unittest
+from pathlib import Path
+
+from service import SERVER, ServiceTestCase, free_port, wait_until
+from small_jobs import write_job
+
+PAGE_BYTES = 4096
+JOB = {"frames": 3, "line_count": 20_000, "moving_line_count": 10_000, "patch_edge_m": 1.5, "samples_per_light": 1}
+
+
+def mounted(folder, *options):
+    """A small file system of its own at `folder`; False where that is not allowed."""
+    folder.mkdir(parents=True, exist_ok=True)
+    made = subprocess.run(["mount", "-t", "tmpfs", "-o", ",".join(options), "none", str(folder)],
+                          capture_output=True, check=False)
+    return made.returncode == 0
+
+
+class Damage(ServiceTestCase):
+    def data_with_a_job(self):
+        """-> folder of a server that has ended, the id of its finished job"""
+        service = self.service("origin")
+        job_id = self.submitted(service, write_job(self.folder / "job", **JOB))
+        service.wait_for(job_id, ["succeeded"], 60)
+        self.assertEqual(service.stop(), 0)
+        return service.data, job_id
+
+    def copy_of(self, data, name):
+        shutil.copytree(data, self.folder / name)
+        return self.folder / name
+
+    def start(self, data):
+        """-> (exit code or None, the Service or None, what it said): it serves, or it has ended."""
+        try:
+            service = self.service(data.name)
+            return None, service, service.log.read_text()
+        except AssertionError as failed:
+            code = int(str(failed).split("ended with ")[1].split(":")[0]) if "ended with" in str(failed) else -1
+            return code, None, str(failed)
+
+    def test_a_damaged_page_is_refused_or_harmless(self):
+        data, job_id = self.data_with_a_job()
+        pages = (data / "keylume.db").stat().st_size // PAGE_BYTES
+        refused = 0
+        for page in range(pages):
+            with self.subTest(page=page):
+                damaged = self.copy_of(data, f"page{page}")
+                with (damaged / "keylume.db").open("r+b") as file:
+                    file.seek(page * PAGE_BYTES)
+                    file.write(b"\xa5" * PAGE_BYTES)
+                before = (damaged / "keylume.db").read_bytes()
+                code, service, said = self.start(damaged)
+                if service:
+                    self.assertEqual([job["id"] for job in service.get("/v1/jobs").json()["jobs"]], [job_id])
+                    service.kill()
+                else:
+                    self.assertGreater(code, 0, "it ends by itself, with a code")
+                    self.assertRegex(said, "damaged|malformed|not a database|another application")
+                    self.assertEqual((damaged / "keylume.db").read_bytes(), before, "left as it was")
+                    refused += 1
+                shutil.rmtree(damaged)
+        self.assertGreater(refused, pages // 2)
+
+    def test_a_log_that_is_missing_costs_what_was_in_it_and_no_more(self):
+        service = self.service()
+        first = self.submitted(service, write_job(self.folder / "job", **JOB))
+        service.wait_for(first, ["succeeded"], 60)
+        self.assertEqual(service.stop(), 0)  # everything is in the database itself now
+        service.start()
+        self.submitted(service, self.folder / "job")
+        service.kill()
+        wait_until(lambda: not service.worker_pids(), 5, "the worker ends")
+        (service.data / "keylume.db-wal").unlink()
+        service.start()
+        jobs = [job["id"] for job in service.get("/v1/jobs").json()["jobs"]]
+        self.assertIn(first, jobs)
+        for job_id in jobs:
+            service.wait_for(job_id, ["succeeded"], 60)
+
+    def test_a_newer_schema_is_refused_and_left_alone(self):
+        data, _ = self.data_with_a_job()
+        with sqlite3.connect(data / "keylume.db") as database:
+            database.execute("PRAGMA user_version=4711")
+        database.close()
+        before = (data / "keylume.db").read_bytes()
+        code, _, said = self.start(data)
+        self.assertGreater(code, 0)
+        self.assertIn("4711", said)
+        self.assertEqual((data / "keylume.db").read_bytes(), before)
+
+    def test_a_folder_that_cannot_be_written_is_named(self):
+        data, _ = self.data_with_a_job()
+        mount = self.folder / "read-only"
+        if not mounted(mount, "size=64m"):
+            self.skipTest("no mounts here")
+        self.addCleanup(subprocess.run, ["umount", "-l", str(mount)], check=False)
+        shutil.copytree(data, mount / "data")
+        subprocess.run(["mount", "-o", "remount,ro", str(mount)], check=True)
+        ended = subprocess.run([SERVER, "--data", str(mount / "data"), "--listen", f"127.0.0.1:{free_port()}"],
+                               capture_output=True, text=True, timeout=20, check=False)
+        self.assertNotEqual(ended.returncode, 0)
+        self.assertIn("Read-only file system", ended.stdout + ended.stderr)
+        self.assertIn(str(mount / "data"), ended.stdout + ended.stderr)
+
+
+class DiskFull(ServiceTestCase):
+    def setUp(self):
+        super().setUp()
+        self.mount = self.folder / "small"
+        if not mounted(self.mount, "size=200m"):
+            self.skipTest("no mounts here")
+        self.addCleanup(subprocess.run, ["umount", "-l", str(self.mount)], check=False)
+
+    def fill(self):
+        """Takes all room that is left. -> the file to remove"""
+        filler = self.mount / "filler"
+        with filler.open("wb", buffering=0) as file:
+            for piece in (1 << 20, 1 << 12):
+                try:
+                    while True:
+                        file.write(b"\0" * piece)
+                except OSError:
+                    pass
+        return filler
+
+    def test_an_upload_without_room_is_507_and_leaves_nothing(self):
+        service = self.service("small/data")
+        filler = self.fill()
+        answer = service.submit(write_job(self.folder / "job", **JOB))
+        self.assertEqual(answer.status, 507, answer.body)
+        self.assertEqual(service.get("/healthz").status, 200)
+        filler.unlink()
+        job_id = self.submitted(service, self.folder / "job")
+        service.wait_for(job_id, ["succeeded"], 60)
+
+    def test_a_job_waits_for_room_and_then_goes_on(self):
+        service = self.service("small/data")
+        job_id = self.submitted(service, write_job(self.folder / "job", **{**JOB, "line_count": 3_000_000}))
+        wait_until(service.worker_pids, 20, "a worker runs")
+        filler = self.fill()
+
+        # The database cannot take down what has happened: no room for that either. Reading goes on.
+        wait_until(lambda: not service.worker_pids(), 60, "the worker ends")
+        self.assertIn(service.job(job_id)["state"], ("running", "queued"))
+        self.assertEqual(service.submit(self.folder / "job").status, 507)
+        filler.unlink()
+        service.wait_for(job_id, ["succeeded"], 120)
+
+
+class Clock(ServiceTestCase):
+    """The wall clock jumps while a job runs; time is faked for the server and its worker alone."""
+
+    def test_a_year_forth_and_back(self):
+        library = next((path for path in Path("/usr/lib").glob("*/faketime/libfaketime.so.1")), None)
+        if not library:
+            self.skipTest("no faketime here")
+        now = self.folder / "now"
+        now.write_text("+0\n")
+        faked = {"LD_PRELOAD": str(library), "FAKETIME_TIMESTAMP_FILE": str(now), "FAKETIME_NO_CACHE": "1",
+                 "FAKETIME_DONT_FAKE_MONOTONIC": "1"}
+        os.environ.update(faked)
+        try:
+            service = self.service()
+        finally:
+            for name in faked:
+                del os.environ[name]
+        for jump in ("+1y\n", "-1y\n", "+0\n"):
+            with self.subTest(jump=jump.strip()):
+                job_id = self.submitted(service, write_job(self.folder / f"job{jump.strip()}", **JOB))
+                now.write_text(jump)
+                self.assertEqual(service.wait_for(job_id, ["succeeded"], 60)["attempt"], 1)
+        jobs = service.get("/v1/jobs").json()["jobs"]
+        self.assertEqual(len(jobs), 3, "none has expired")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
