@@ -16,6 +16,7 @@ std::int64_t FileBody::read(std::int64_t at, char* to, std::int64_t size) const 
     return count;
   }
   const std::int64_t count = std::min(size, prefix_bytes + bytes - at);
+  if (made) return made(at - prefix_bytes, to, count);
   ssize_t done = 0;
   do {
     done = ::pread(file.get(), to, static_cast<std::size_t>(count), offset + at - prefix_bytes);

@@ -41,6 +41,9 @@ struct FileBody {
   std::string prefix;
   std::int64_t offset = 0;
   std::int64_t bytes = 0;
+  /// Instead of the file: `bytes` bytes that are made up as they are read, as of an archive. As `read`, from
+  /// position `at` after `prefix`; one thread at a time.
+  std::function<std::int64_t(std::int64_t at, char* to, std::int64_t size)> made = {};
 
   std::int64_t size() const { return static_cast<std::int64_t>(prefix.size()) + bytes; }
   /// Copies up to `size` bytes from position `at` of the whole into `to`; 0 or less: cannot be read.

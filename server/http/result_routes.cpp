@@ -1,62 +1,16 @@
-#include <charconv>
-#include <set>
+#include <cstdio>
 #include <utility>
 
 #include "server/artefacts/npy_slice.h"
 #include "server/artefacts/verify.h"
 #include "server/http/job_json.h"
 #include "server/http/problem.h"
+#include "server/http/result_answers.h"
+#include "server/http/result_parts.h"
 #include "server/http/routes.h"
 
 namespace server {
 namespace {
-
-// What a job has made never changes under its name.
-constexpr const char* kForever = "private, max-age=31536000, immutable";
-
-/// A handler for a job that must exist.
-using JobHandler = std::function<HttpAnswer(JobService&, const Job&, const HttpRequest&, const PathValues&)>;
-
-void add(Router& router, JobService& jobs, std::string pattern, JobHandler handler) {
-  router.add("GET", std::move(pattern),
-             [&jobs, handler = std::move(handler)](const HttpRequest& request, const PathValues& values) {
-               const auto job = jobs.job(values.at("id"));
-               if (!job) return problem(job.error(), request.path);
-               return handler(jobs, *job, request, values);
-             });
-}
-
-HttpAnswer file_answer(FileBody body, std::string content_type, std::string etag) {
-  HttpAnswer answer;
-  answer.content_type = std::move(content_type);
-  answer.file = std::make_shared<FileBody>(std::move(body));
-  answer.etag = std::move(etag);
-  answer.ranges = true;
-  return answer;
-}
-
-HttpAnswer artefact_answer(JobService& jobs, const Job& job, const HttpRequest& request,
-                           std::string_view path) {
-  const auto artefact = jobs.artefact(job, path);
-  if (!artefact) return problem(artefact.error(), request.path);
-  auto file = open_below(jobs.folder_of(job) / "artefacts", artefact->path);
-  if (!file) return problem({api::Fault::internal, file.error().message}, request.path);
-  HttpAnswer answer =
-      file_answer({std::move(*file), {}, 0, artefact->bytes}, artefact->media_type, artefact->sha256);
-  answer.headers.emplace_back("Cache-Control", kForever);
-  return answer;
-}
-
-/// The frame in the path, if the job has it.
-api::Result<std::uint32_t> frame_of(const Job& job, const PathValues& values) {
-  const std::string& digits = values.at("f");
-  std::uint32_t frame = 0;
-  const auto parsed = std::from_chars(digits.data(), digits.data() + digits.size(), frame);
-  if (parsed.ec != std::errc() || parsed.ptr != digits.data() + digits.size() || frame >= job.frame_count)
-    return api::Error{api::Fault::not_found,
-                      "the job has the frames 0 to " + std::to_string(job.frame_count - 1)};
-  return frame;
-}
 
 /// The pictures of one frame.
 api::Result<FrameImages> images_of(JobService& jobs, const Job& job, std::uint32_t frame) {
@@ -96,22 +50,18 @@ HttpAnswer frame_radiosity(JobService& jobs, const Job& job, const HttpRequest& 
                            const PathValues& values) {
   const auto frame = frame_of(job, values);
   if (!frame) return problem(frame.error(), request.path);
-  HttpAnswer answer = artefact_answer(jobs, job, request, "radiosity.npy");
-  if (answer.status != 200) return answer;
-  const auto slice = frame_slice(answer.file->file, *frame);
+  const auto artefact = jobs.artefact(job, "radiosity.npy");
+  if (!artefact) return problem(artefact.error(), request.path);
+  auto file = open_below(jobs.folder_of(job) / "artefacts", artefact->path);
+  if (!file) return problem({api::Fault::internal, file.error().message}, request.path);
+  const auto slice = frame_slice(*file, *frame);
   if (!slice) return problem(slice.error(), request.path);
-  answer.file->prefix = slice->header;
-  answer.file->offset = slice->offset;
-  answer.file->bytes = slice->bytes;
   // The hash of the whole and the frame name these bytes as surely as their own hash would.
-  answer.etag.append("-").append(std::to_string(*frame));
+  HttpAnswer answer = file_answer({std::move(*file), slice->header, slice->offset, slice->bytes},
+                                  artefact->media_type, artefact->sha256 + "-" + std::to_string(*frame));
+  answer.headers.emplace_back("Cache-Control", kForever);
+  name_download(answer, job, frame_file(*frame, "radiosity.npy"));
   return answer;
-}
-
-api::Status must_have_results(const Job& job) {
-  if (job.state == api::JobState::succeeded) return api::Done{};
-  return api::Error{api::Fault::not_found,
-                    "not made yet: the job is " + std::string(api::name_of(job.state))};
 }
 
 /// GET .../frames, operationId listFrames.
@@ -179,18 +129,20 @@ JobHandler image_of(std::string extension) {
 }  // namespace
 
 void add_result_routes(Router& router, JobService& jobs) {
-  add(router, jobs, "/v1/jobs/{id}/key-frames", artefact_at("key_frames.json"));
-  add(router, jobs, "/v1/jobs/{id}/frames", list_frames);
-  add(router, jobs, "/v1/jobs/{id}/frames/{f}", get_frame);
-  add(router, jobs, "/v1/jobs/{id}/frames/{f}/image.png", image_of("png"));
-  add(router, jobs, "/v1/jobs/{id}/frames/{f}/image.exr", image_of("exr"));
-  add(router, jobs, "/v1/jobs/{id}/frames/{f}/radiosity.npy", frame_radiosity);
-  add(router, jobs, "/v1/jobs/{id}/radiosity.npy", artefact_at("radiosity.npy"));
-  add(router, jobs, "/v1/jobs/{id}/patches.npz", artefact_at("patches.npz"));
-  add(router, jobs, "/v1/jobs/{id}/manifest.json", artefact_at("manifest.json"));
-  add(router, jobs, "/v1/jobs/{id}/artefacts/{file}", named_artefact);
-  add(router, jobs, "/v1/jobs/{id}/report.json", get_report);
-  add(router, jobs, "/v1/jobs/{id}/log", get_log);
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/key-frames", artefact_at("key_frames.json"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames", list_frames);
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}", get_frame);
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/image.png", image_of("png"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/image.exr", image_of("exr"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/radiosity.npy", frame_radiosity);
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/radiosity.npy", artefact_at("radiosity.npy"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/patches.npz", artefact_at("patches.npz"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/manifest.json", artefact_at("manifest.json"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/artefacts/{file}", named_artefact);
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/report.json", get_report);
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/log", get_log);
+  add_radiosity_routes(router, jobs);
+  add_bundle_routes(router, jobs);
 }
 
 }  // namespace server
