@@ -7,7 +7,10 @@ namespace api {
 namespace {
 
 constexpr std::array<std::string_view, kJobStates.size()> kStateNames{
-    "queued", "running", "cancel_requested", "succeeded", "failed", "canceled"};
+    "queued", "running", "pause_requested", "paused", "cancel_requested", "succeeded", "failed", "canceled"};
+
+constexpr std::array<std::string_view, kJobEvents.size()> kEventNames{
+    "claimed", "done", "gave_up", "interrupted", "cancel", "pause", "resume", "retry", "deadline_passed"};
 
 constexpr std::array<std::string_view, 9> kStageNames{
     "scene", "patches", "estimate", "keyframes", "direct", "solve", "interpolate", "images", "publish"};
@@ -21,6 +24,16 @@ std::string_view name_of(JobState state) {
 std::optional<JobState> job_state_named(std::string_view name) {
   for (const JobState state : kJobStates)
     if (name_of(state) == name) return state;
+  return std::nullopt;
+}
+
+std::string_view name_of(JobEvent event) {
+  return kEventNames[static_cast<std::size_t>(event)];
+}
+
+std::optional<JobEvent> job_event_named(std::string_view name) {
+  for (const JobEvent event : kJobEvents)
+    if (name_of(event) == name) return event;
   return std::nullopt;
 }
 

@@ -32,8 +32,12 @@ Json reason_of(const Job& job) {
 
 Json links_of(const Job& job) {
   Json links{{"self", path_of(job)}};
-  if (job.state == JobState::queued || job.state == JobState::running)
-    links["cancel"] = path_of(job, "/cancel");
+  for (const api::JobEvent event :
+       {api::JobEvent::cancel, api::JobEvent::pause, api::JobEvent::resume, api::JobEvent::retry}) {
+    const auto to = api::after(job.state, event);
+    const std::string name(api::name_of(event));
+    if (to && *to != job.state) links[name] = path_of(job) + "/" + name;
+  }
   if (job.attempt > 0) links["log"] = path_of(job, "/log");
   if (job.has_report) links["report"] = path_of(job, "/report.json");
   if (job.state == JobState::succeeded) {
@@ -46,10 +50,33 @@ Json links_of(const Job& job) {
   return links;
 }
 
-Json json_of(const Job& job) {
+Json optional_seconds(const std::optional<std::int64_t>& time_ms) {
+  return time_ms ? Json(*time_ms / 1000) : Json(nullptr);
+}
+
+Json forecast_of(const Job& job) {
+  const auto forecast =
+      job.forecast.empty() ? api::Result<api::Forecast>(api::Error{}) : api::parse_forecast(job.forecast);
+  if (!forecast) return nullptr;
+  return {{"polygons", forecast->polygons},
+          {"patches", forecast->patches},
+          {"frames", forecast->frames},
+          {"memory_bytes", forecast->memory_bytes},
+          {"seconds", forecast->seconds}};
+}
+
+std::optional<std::int64_t> place_of(const Job& job, const QueuePositions& positions) {
+  const auto place = positions.find(job.seq);
+  if (job.state != JobState::queued || place == positions.end()) return std::nullopt;
+  return place->second;
+}
+
+Json json_of(const Job& job, const QueuePositions& positions) {
+  const auto place = place_of(job, positions);
   Json json{
       {"id", job.id},
-      {"name", job.name},
+      {"name", job.settings.name},
+      {"owner", job.owner},
       {"state", api::name_of(job.state)},
       {"reason", reason_of(job)},
       {"progress",
@@ -57,10 +84,21 @@ Json json_of(const Job& job) {
         {"stage_fraction", job.stage_fraction},
         {"fraction", job.fraction},
         {"seconds_left", job.seconds_left ? Json(*job.seconds_left) : Json(nullptr)}}},
+      {"queue_position", place ? Json(*place) : Json(nullptr)},
+      {"priority", job.settings.priority},
+      {"labels", Json(job.settings.labels)},
       {"attempt", job.attempt},
+      {"version", job.version},
       {"created_at", utc_text(job.created_ms)},
       {"started_at", optional_time(job.started_ms)},
       {"finished_at", optional_time(job.finished_ms)},
+      {"deadline", optional_time(job.settings.deadline_ms)},
+      {"max_run_seconds", optional_seconds(job.settings.max_run_ms)},
+      {"ttl_seconds", optional_seconds(job.settings.ttl_ms)},
+      {"pinned", job.settings.pinned},
+      {"expires_at", job.settings.pinned ? Json(nullptr) : optional_time(job.expires_ms)},
+      {"bytes", job.bytes},
+      {"forecast", forecast_of(job)},
       {"frame_count", job.frame_count},
       {"key_frame_count", job.key_frame_count ? Json(*job.key_frame_count) : Json(nullptr)},
       {"solved_frame_count", job.solved_frame_count ? Json(*job.solved_frame_count) : Json(nullptr)},
@@ -111,8 +149,47 @@ std::optional<ImageName> parse_image_path(std::string_view path) {
 
 }  // namespace
 
-std::string job_json(const Job& job) {
-  return api::json_text(json_of(job));
+std::string job_json(const Job& job, const QueuePositions& positions) {
+  return api::json_text(json_of(job, positions));
+}
+
+std::string job_etag(const Job& job, const QueuePositions& positions) {
+  const auto place = place_of(job, positions);
+  std::string tag = std::to_string(job.version);
+  if (place) tag.append("-").append(std::to_string(*place));
+  return tag;
+}
+
+std::string queue_json(const QueueReport& report) {
+  Json jobs = Json::object();
+  for (const auto& [state, count] : report.jobs) jobs[std::string(api::name_of(state))] = count;
+  const bool bounded = report.budget.memory_bytes != INT64_MAX;
+  return api::json_text(
+      {{"paused", report.queue.paused},
+       {"reason", report.queue.reason.empty() ? Json(nullptr) : Json(report.queue.reason)},
+       {"changed_at", report.queue.changed_ms > 0 ? Json(utc_text(report.queue.changed_ms)) : Json(nullptr)},
+       {"jobs", std::move(jobs)},
+       {"workers",
+        {{"running", report.use.workers},
+         {"cores", report.use.cores},
+         {"cores_max", report.budget.cores},
+         {"memory_bytes", report.use.memory_bytes},
+         {"memory_bytes_max", bounded ? Json(report.budget.memory_bytes) : Json(nullptr)}}}});
+}
+
+std::string removal_json(const Job& job, const Removal& removal) {
+  return api::json_text({{"id", job.id}, {"files", removal.files}, {"bytes", removal.bytes}});
+}
+
+std::string batch_json(const std::vector<BatchResult>& results) {
+  Json list = Json::array();
+  for (const BatchResult& result : results) {
+    Json entry{{"id", result.id}, {"status", result.status}};
+    if (!result.state.empty()) entry["state"] = result.state;
+    if (!result.detail.empty()) entry["detail"] = result.detail;
+    list.push_back(std::move(entry));
+  }
+  return api::json_text({{"results", std::move(list)}});
 }
 
 std::string validation_json(const api::JobReport& report) {
@@ -120,9 +197,9 @@ std::string validation_json(const api::JobReport& report) {
          api::json_text(report.warnings) + "}";
 }
 
-std::string job_page_json(const JobPage& page) {
+std::string job_page_json(const JobPage& page, const QueuePositions& positions) {
   Json jobs = Json::array();
-  for (const Job& job : page.jobs) jobs.push_back(json_of(job));
+  for (const Job& job : page.jobs) jobs.push_back(json_of(job, positions));
   const Json next = page.next ? Json(std::to_string(*page.next)) : Json(nullptr);
   return api::json_text({{"jobs", std::move(jobs)}, {"next_cursor", next}});
 }

@@ -1,29 +1,19 @@
-#include <charconv>
+// Jobs as clients watch and steer them.
 #include <utility>
 
+#include "server/http/conditions.h"
 #include "server/http/job_json.h"
-#include "server/http/multipart.h"
+#include "server/http/parameters.h"
 #include "server/http/problem.h"
+#include "server/http/queue_routes.h"
 #include "server/http/routes.h"
-#include "server/jobs/job_id.h"
 
 namespace server {
 namespace {
 
 constexpr std::int64_t kPageDefault = 50;
 constexpr std::int64_t kPageMax = 200;
-// What the multipart frame around the parts may add: boundaries and headers.
-constexpr std::int64_t kFrameBytes = 1 << 20;
-// Kept free for the database and for jobs that run.
-constexpr std::int64_t kReservedBytes = 64 << 20;
-
-std::optional<std::int64_t> whole_number(std::string_view text) {
-  std::int64_t value = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-    return std::nullopt;
-  return value;
-}
+constexpr std::size_t kLabelFiltersMax = 8;
 
 std::string state_names() {
   std::string names;
@@ -32,87 +22,165 @@ std::string state_names() {
   return names;
 }
 
+/// "project" or "project:garage".
+std::optional<LabelFilter> label_filter(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  LabelFilter filter{std::string(text.substr(0, colon)), std::nullopt};
+  if (!api::is_label_name(filter.name)) return std::nullopt;
+  if (colon != text.npos) filter.value = text.substr(colon + 1);
+  return filter;
+}
+
+/// What a list is to have, or why that cannot be read.
+struct ListQuery {
+  JobFilter filter;
+  std::int64_t limit = kPageDefault;
+  std::optional<HttpAnswer> refused = std::nullopt;
+};
+
+ListQuery read_list_query(const HttpRequest& request) {
+  ListQuery query;
+  const auto refuse = [&](std::string_view name, std::string_view code, const std::string& detail) {
+    if (!query.refused) query.refused = bad_parameter(name, code, detail, request.path);
+  };
+  for (const auto& [name, value] : request.query) {
+    if (name == "limit") {
+      query.limit = whole_number(value).value_or(0);
+      if (query.limit < 1 || query.limit > kPageMax)
+        refuse(name, "out_of_range", "limit must be a whole number from 1 to " + std::to_string(kPageMax));
+    } else if (name == "cursor") {
+      query.filter.before_seq = whole_number(value);
+      if (query.filter.before_seq.value_or(0) < 1)
+        refuse(name, "unknown_value", "cursor is not one that a page has given");
+    } else if (name == "state") {
+      query.filter.state = api::job_state_named(value);
+      if (!query.filter.state) refuse(name, "unknown_value", "state must be one of " + state_names());
+    } else if (name == "owner") {
+      query.filter.owner = value;
+    } else if (name == "label") {
+      const auto label = label_filter(value);
+      if (label) query.filter.labels.push_back(*label);
+      if (!label) refuse(name, "bad_name", "label must be NAME or NAME:VALUE");
+      if (query.filter.labels.size() > kLabelFiltersMax)
+        refuse(name, "too_many", "at most " + std::to_string(kLabelFiltersMax) + " labels can be asked for");
+    }
+  }
+  return query;
+}
+
+/// The same request for the page that begins after `next` (RFC 8288).
+std::string link_to_next(const HttpRequest& request, std::int64_t next) {
+  std::string link = "<" + request.path + "?cursor=" + std::to_string(next);
+  for (const auto& [name, value] : request.query)
+    if (name != "cursor")
+      link.append("&").append(percent_encoded(name)).append("=").append(percent_encoded(value));
+  return link + ">; rel=\"next\"";
+}
+
 /// GET /v1/jobs, operationId listJobs.
 HttpAnswer list_jobs(JobService& jobs, const HttpRequest& request) {
-  std::int64_t limit = kPageDefault;
-  if (const auto given = request.parameter("limit")) {
-    const auto number = whole_number(*given);
-    if (!number || *number < 1 || *number > kPageMax)
-      return bad_parameter("limit", "out_of_range",
-                           "limit must be a whole number from 1 to " + std::to_string(kPageMax),
-                           request.path);
-    limit = *number;
-  }
-  std::optional<std::int64_t> before;
-  if (const auto cursor = request.parameter("cursor")) {
-    before = whole_number(*cursor);
-    if (!before || *before < 1)
-      return bad_parameter("cursor", "unknown_value", "cursor is not one that a page has given",
-                           request.path);
-  }
-  std::optional<api::JobState> state;
-  if (const auto name = request.parameter("state")) {
-    state = api::job_state_named(*name);
-    if (!state)
-      return bad_parameter("state", "unknown_value", "state must be one of " + state_names(), request.path);
-  }
-  const auto page = jobs.list(state, before, limit);
-  return page ? json_answer(job_page_json(*page)) : problem(page.error(), request.path);
+  const ListQuery query = read_list_query(request);
+  if (query.refused) return *query.refused;
+  const auto page = jobs.list(query.filter, query.limit);
+  if (!page) return problem(page.error(), request.path);
+  HttpAnswer answer = json_answer(job_page_json(*page, *jobs.queue_positions()));
+  if (page->next) answer.headers.emplace_back("Link", link_to_next(request, *page->next));
+  return answer;
+}
+
+HttpAnswer job_answer(JobService& jobs, const Job& job, int status) {
+  const auto positions = jobs.queue_positions();
+  HttpAnswer answer = json_answer(job_json(job, *positions), status);
+  answer.etag = job_etag(job, *positions);
+  return answer;
 }
 
 /// GET /v1/jobs/{id}, operationId getJob.
 HttpAnswer get_job(JobService& jobs, const HttpRequest& request, const PathValues& values) {
   const auto job = jobs.job(values.at("id"));
-  return job ? json_answer(job_json(*job)) : problem(job.error(), request.path);
+  return job ? job_answer(jobs, *job, 200) : problem(job.error(), request.path);
 }
 
-/// POST /v1/jobs/{id}/cancel, operationId cancelJob.
-HttpAnswer cancel_job(JobService& jobs, const HttpRequest& request, const PathValues& values) {
-  const auto job = jobs.cancel(values.at("id"));
-  return job ? json_answer(job_json(*job), 202) : problem(job.error(), request.path);
+/// The version that If-Match names, so that nothing in between is overwritten: of an entity tag "17-3"
+/// the 17. `job` is what it is held against; none: it names another one.
+std::optional<std::int64_t> matching_version(std::string_view if_match, const Job& job) {
+  const std::string version = std::to_string(job.version);
+  while (!if_match.empty()) {
+    const std::size_t comma = if_match.find(',');
+    std::string_view entry = if_match.substr(0, comma);
+    if_match = comma == if_match.npos ? std::string_view() : if_match.substr(comma + 1);
+    while (entry.starts_with(' ')) entry.remove_prefix(1);
+    while (entry.ends_with(' ')) entry.remove_suffix(1);
+    if (entry == "*") return job.version;
+    if (entry.size() < 2 || !entry.starts_with('"') || !entry.ends_with('"')) continue;
+    entry = entry.substr(1, entry.size() - 2);
+    if (entry.substr(0, entry.find('-')) == version) return job.version;
+  }
+  return std::nullopt;
+}
+
+/// PATCH /v1/jobs/{id}, operationId changeJob.
+HttpAnswer change_job(JobService& jobs, const HttpRequest& request, const PathValues& values) {
+  const auto options = api::parse_job_options(request.body, "body");
+  if (!options) return problem(options.error(), request.path);
+  std::optional<std::int64_t> version;
+  if (const auto if_match = request.header("If-Match")) {
+    const auto job = jobs.job(values.at("id"));
+    if (!job) return problem(job.error(), request.path);
+    version = matching_version(*if_match, *job);
+    if (!version)
+      return problem({api::Fault::changed, "the job is at version " + std::to_string(job->version) +
+                                               "; look at it again before you change it"},
+                     request.path);
+  }
+  const auto changed = jobs.change(values.at("id"), *options, version);
+  return changed ? job_answer(jobs, *changed, 200) : problem(changed.error(), request.path);
 }
 
 /// DELETE /v1/jobs/{id}, operationId deleteJob.
 HttpAnswer delete_job(JobService& jobs, const HttpRequest& request, const PathValues& values) {
-  const api::Status removed = jobs.remove(values.at("id"));
+  const std::string dry_run = request.parameter("dry_run").value_or("false");
+  if (dry_run != "true" && dry_run != "false")
+    return bad_parameter("dry_run", "unknown_value", "dry_run must be true or false", request.path);
+  const std::string& id = values.at("id");
+  if (dry_run == "true") {
+    const auto job = jobs.job(id);
+    if (!job) return problem(job.error(), request.path);
+    const auto removal = jobs.what_remove_deletes(id);
+    return removal ? json_answer(removal_json(*job, *removal)) : problem(removal.error(), request.path);
+  }
+  const api::Status removed = jobs.remove(id);
   if (!removed) return problem(removed.error(), request.path);
   HttpAnswer answer;
   answer.status = 204;
   return answer;
 }
 
-HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_view path) {
-  if (refusal.status == 0) return problem(refusal.error, path);
-  return problem(refusal.status, refusal.error, path);
+/// POST /v1/jobs/{id}/retry, operationId retryJob.
+HttpAnswer retry_job(JobService& jobs, const HttpRequest& request, const PathValues& values) {
+  const std::string from = request.parameter("from").value_or("checkpoint");
+  if (from != "checkpoint" && from != "start")
+    return bad_parameter("from", "unknown_value", "from must be checkpoint or start", request.path);
+  const auto job = jobs.retry(values.at("id"), from == "start");
+  return job ? job_answer(jobs, *job, 202) : problem(job.error(), request.path);
 }
 
-/// POST /v1/jobs, operationId submitJob.
-api::Result<HttpAnswer> submit_job(JobService& jobs, const Upload& upload) {
-  const auto job = jobs.submit(upload);
-  if (!job) return job.error();
-  HttpAnswer answer = json_answer(job_json(*job), 202);
-  answer.headers.emplace_back("Location", "/v1/jobs/" + job->id);
-  return answer;
-}
-
-/// POST /v1/validate, operationId validateJob.
-api::Result<HttpAnswer> validate_job(JobService& jobs, const Upload& upload) {
-  const auto report = jobs.validate(upload);
-  if (!report) return report.error();
-  if (!report->forecast) return api::Error{api::Fault::internal, "the check of the job made no forecast"};
-  return json_answer(validation_json(*report));
-}
-
-/// What is wrong with the job may well be that it is not what its sender meant to send.
-api::Error with_hint(api::Error error, std::string_view hint) {
-  if (error.fault != api::Fault::invalid_request || hint.empty()) return error;
-  error.message += (error.message.ends_with('.') ? " " : ". ") + std::string(hint);
-  return error;
+/// POST /v1/jobs/{id}/cancel, pause, resume; operationIds cancelJob, pauseJob, resumeJob.
+RouteHandler wish_handler(JobService& jobs, api::Result<Job> (JobService::*wish)(std::string_view)) {
+  return [&jobs, wish](const HttpRequest& request, const PathValues& values) {
+    const auto job = (jobs.*wish)(values.at("id"));
+    return job ? job_answer(jobs, *job, 202) : problem(job.error(), request.path);
+  };
 }
 
 }  // namespace
 
 void add_job_routes(Router& router, JobService& jobs) {
+  const auto with_jobs = [&jobs](auto handler) {
+    return [&jobs, handler](const HttpRequest& request, const PathValues& values) {
+      return handler(jobs, request, values);
+    };
+  };
   router.add("GET", "/v1/jobs",
              [&jobs](const auto& request, const auto&) { return list_jobs(jobs, request); });
   // Their bodies stream, so http_server.cpp calls take_job instead; here they stand for 405 and for the
@@ -121,49 +189,14 @@ void add_job_routes(Router& router, JobService& jobs) {
     router.add("POST", std::string(path), [](const auto& request, const auto&) {
       return problem(415, "the body must be multipart/form-data", request.path);
     });
-  router.add("GET", "/v1/jobs/{id}",
-             [&jobs](const auto& request, const auto& values) { return get_job(jobs, request, values); });
-  router.add("DELETE", "/v1/jobs/{id}",
-             [&jobs](const auto& request, const auto& values) { return delete_job(jobs, request, values); });
-  router.add("POST", "/v1/jobs/{id}/cancel",
-             [&jobs](const auto& request, const auto& values) { return cancel_job(jobs, request, values); });
-}
-
-std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const DataFolder& folder,
-                                              const UploadLimits& limits) {
-  if (!multipart_boundary(request.header("Content-Type").value_or("")))
-    return problem(415,
-                   "the body must be multipart/form-data, as curl sends it with -F scene=@scene.obj -F "
-                   "animation=@animation.json",
-                   request.path);
-  if (request.header("Content-Encoding"))
-    return problem(415, "compressed uploads are not taken", request.path);
-  const std::int64_t bytes = whole_number(request.header("Content-Length").value_or("")).value_or(0);
-  if (bytes > limits.total_bytes + kFrameBytes)
-    return problem(413, "the upload is larger than " + std::to_string(limits.total_bytes) + " bytes",
-                   request.path);
-  const auto free = free_bytes(folder.uploads());
-  if (free && *free < bytes + kReservedBytes)
-    return problem({api::Fault::disk_full, "no room for an upload"}, request.path);
-  return std::nullopt;
-}
-
-HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
-                    const DataFolder& folder, const UploadLimits& limits) {
-  if (auto refused = refuse_upload_early(request, folder, limits)) return *refused;
-  UploadReceiver receiver(folder, new_job_id(system_clock_ms()), limits);
-  MultipartParser parser(*multipart_boundary(*request.header("Content-Type")),
-                         {[&](auto field, auto name) { return receiver.begin_part(field, name); },
-                          [&](auto bytes) { return receiver.take(bytes); }});
-  const bool whole = read_body([&](std::string_view bytes) { return parser.feed(bytes); });
-  if (receiver.refusal()) return refusal_answer(*receiver.refusal(), request.path);
-  if (!parser.error().empty()) return problem(400, parser.error(), request.path);
-  if (!whole || !parser.complete()) return problem(400, "the upload ended early", request.path);
-  const auto upload = receiver.finish();
-  if (!upload) return refusal_answer(*receiver.refusal(), request.path);
-
-  const auto answer = request.path == kValidatePath ? validate_job(jobs, *upload) : submit_job(jobs, *upload);
-  return answer ? *answer : problem(with_hint(answer.error(), receiver.hint()), request.path);
+  router.add("GET", "/v1/jobs/{id}", with_jobs(get_job));
+  router.add("PATCH", "/v1/jobs/{id}", with_jobs(change_job));
+  router.add("DELETE", "/v1/jobs/{id}", with_jobs(delete_job));
+  router.add("POST", "/v1/jobs/{id}/cancel", wish_handler(jobs, &JobService::cancel));
+  router.add("POST", "/v1/jobs/{id}/pause", wish_handler(jobs, &JobService::pause));
+  router.add("POST", "/v1/jobs/{id}/resume", wish_handler(jobs, &JobService::resume));
+  router.add("POST", "/v1/jobs/{id}/retry", with_jobs(retry_job));
+  add_queue_routes(router, jobs);
 }
 
 HttpAnswer json_answer(std::string body, int status) {

@@ -12,13 +12,15 @@ enum class OutcomeKind {
   refused,         ///< the job itself is wrong: no other attempt
   limit_exceeded,  ///< the job wants more than the limits allow: no other attempt
   disk_full,       ///< another attempt when there is room; not the job's fault
+  time_over,       ///< we stopped it at the job's deadline or run time: no other attempt
+  paused,          ///< we stopped it because the job is to pause
   server_stopped,  ///< we stopped it because the server ends; not the job's fault
   lost,            ///< crashed, killed, stuck, or could not be started: counts as an attempt
 };
 
 struct AttemptOutcome {
   OutcomeKind kind = OutcomeKind::lost;
-  std::string reason;   ///< stable word: "worker_crashed", "worker_stuck", ...
+  std::string reason;   ///< stable word: "worker_crashed", "stuck", ...
   std::string message;  ///< for people: signal or exit code
   AttemptEnd end;
   std::string log_tail;  ///< the last of what the worker wrote

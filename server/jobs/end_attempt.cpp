@@ -4,6 +4,7 @@
 
 #include "server/artefacts/files.h"
 #include "server/jobs/collect_results.h"
+#include "server/jobs/folder_size.h"
 #include "server/jobs/job_service.h"
 #include "server/log.h"
 
@@ -22,36 +23,57 @@ std::string with_log(const AttemptOutcome& outcome) {
 
 }  // namespace
 
-bool JobService::still_wanted(const Lease& lease) {
+api::Result<std::optional<Claim>> JobService::claim(const Room& room) {
+  const auto overdue = store_.fail_overdue();
+  if (!overdue) return overdue.error();
+  auto claim = store_.claim(room);
+  if (*overdue > 0 || (claim && *claim)) tell_change();
+  return claim;
+}
+
+Wanted JobService::wanted(const Lease& lease, std::int64_t ran_ms) {
   const auto job = store_.leased_job(lease);
   // A store that cannot be read for a moment is no reason to end a worker.
-  if (!job) return job.error().fault != Fault::wrong_state;
-  return job->state == JobState::running;
+  if (!job) return job.error().fault == Fault::wrong_state ? Wanted::cancel : Wanted::go_on;
+  if (job->state == JobState::cancel_requested) return Wanted::cancel;
+  if (job->state == JobState::pause_requested) return Wanted::pause;
+  if (job->settings.deadline_ms && *job->settings.deadline_ms <= clock_()) return Wanted::deadline_passed;
+  if (job->settings.max_run_ms && job->run_ms + ran_ms >= *job->settings.max_run_ms)
+    return Wanted::run_time_exceeded;
+  return Wanted::go_on;
 }
 
 api::Status JobService::end_attempt(const Lease& lease, const AttemptOutcome& outcome) {
   const auto job = store_.leased_job(lease);
   if (!job) return job.error();
   api::Status settled = settle(*job, lease, outcome);
-  if (settled || settled.error().fault != Fault::wrong_state) return settled;
-  // Somebody asked to cancel between our look and our step.
-  const auto again = store_.leased_job(lease);
-  if (!again) return again.error();
-  return settle(*again, lease, outcome);
+  if (!settled && settled.error().fault == Fault::wrong_state) {
+    // Somebody asked to cancel between our look and our step.
+    const auto again = store_.leased_job(lease);
+    if (!again) return again.error();
+    settled = settle(*again, lease, outcome);
+  }
+  record_bytes(*job);
+  tell_change();
+  return settled;
 }
 
-// Before the step that ends the job: a crash in between costs work done twice, and not a file that stays for
-// good.
+// For quotas, which may be a little behind: no reason for an attempt not to end.
+void JobService::record_bytes(const Job& job) {
+  const api::Status recorded = store_.record_bytes(job.seq, size_of_folder(folder_of(job)).bytes);
+  if (!recorded) log_line(job.id + ": its size cannot be recorded: " + recorded.error().message);
+}
+
+// Of a job that has succeeded. Before the step that ends it: a crash in between costs work done twice, and
+// not a file that stays for good.
 void JobService::forget_checkpoint(const Job& job) const {
   const api::Status removed = remove_tree(folder_.job(job.id) / "checkpoint");
   if (!removed) log_line(job.id + ": " + removed.error().message);
 }
 
 api::Status JobService::settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
-  if (job.state == JobState::cancel_requested) {
-    forget_checkpoint(job);
-    return store_.finish_cancel(lease, outcome.end);
-  }
+  // The checkpoint stays, also of a job that is canceled or has failed: it may be tried again.
+  if (job.state == JobState::cancel_requested) return store_.finish_cancel(lease, outcome.end);
   const StepReason why{outcome.reason, with_log(outcome)};
   switch (outcome.kind) {
     case OutcomeKind::done:
@@ -60,12 +82,14 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
     case OutcomeKind::limit_exceeded: {
       const api::JobReport report = read_report(folder_.job(job.id));
       const std::string message = report.message.empty() ? why.message : report.message;
-      forget_checkpoint(job);
       return store_.fail(lease, {outcome.reason, message}, outcome.end, api::job_report_json(report));
     }
     case OutcomeKind::disk_full:
       return wait_for_room_or_fail(job, lease, outcome);
+    case OutcomeKind::time_over:
+      return store_.fail(lease, why, outcome.end, api::job_report_json(read_report(folder_.job(job.id))));
     case OutcomeKind::server_stopped:
+    case OutcomeKind::paused:
       return store_.requeue(lease, why, outcome.end, false);
     case OutcomeKind::lost:
       return try_again_or_fail(job, lease, outcome);
@@ -112,9 +136,10 @@ api::Status JobService::wait_for_room_or_fail(const Job& job, const Lease& lease
 
 api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
   const StepReason why{outcome.reason, with_log(outcome)};
+  // A job that is to pause does so, whatever its worker died of.
+  if (job.state == JobState::pause_requested) return store_.requeue(lease, why, outcome.end, true);
   if (job.attempts_without_progress < rules_.attempts_without_progress_max)
     return store_.requeue(lease, why, outcome.end, true);
-  forget_checkpoint(job);
   const api::JobReport report = read_report(folder_.job(job.id));
   const StepReason final{outcome.reason,
                          "given up after " + std::to_string(job.attempt) + " attempts: " + why.message};
@@ -122,21 +147,18 @@ api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, co
 }
 
 api::Status JobService::take_up_again(const Orphan& orphan) {
-  if (orphan.job.state == JobState::cancel_requested) {
-    forget_checkpoint(orphan.job);
-    return store_.finish_cancel(orphan.lease, {});
-  }
+  if (orphan.job.state == JobState::cancel_requested) return store_.finish_cancel(orphan.lease, {});
+  if (orphan.job.state == JobState::pause_requested)
+    return store_.requeue(orphan.lease, {"paused", "on request"}, {}, false);
   // No attempt of three: most likely the server's end says nothing about the job, which runs in a process of
   // its own. But a job that takes the machine down must not do so for ever.
   const auto earlier = store_.count_attempts(orphan.lease.job_seq, kServerRestarted);
   if (!earlier) return earlier.error();
   const std::string why = "the server ended while the job was running";
-  if (*earlier + 1 >= rules_.orphaned_attempts_max) {
-    forget_checkpoint(orphan.job);
+  if (*earlier + 1 >= rules_.orphaned_attempts_max)
     return store_.fail(
         orphan.lease,
         {kServerRestarted, "given up after " + std::to_string(*earlier + 1) + " attempts: " + why}, {}, {});
-  }
   return store_.requeue(orphan.lease, {kServerRestarted, why}, {}, false);
 }
 

@@ -15,19 +15,41 @@ namespace {
 using api::Fault;
 using api::JobState;
 
+api::Result<api::JobOptions> read_options(const Upload& upload, std::int64_t now_ms) {
+  if (upload.options.empty()) return api::JobOptions{};
+  auto options = api::parse_job_options(upload.options);
+  if (!options) return options;
+  if (const api::Status ahead = refuse_past_deadline(*options, now_ms); !ahead) return ahead.error();
+  return options;
+}
+
 }  // namespace
+
+api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t now_ms) {
+  if (!options.deadline_ms.value || *options.deadline_ms.value > now_ms) return api::Done{};
+  const std::string detail = "is in the past";
+  return api::Error{Fault::invalid_request,
+                    "the deadline " + detail,
+                    {{"options", "/deadline", 0, 0, "out_of_range", detail}}};
+}
 
 JobService::JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock)
     : store_(store), folder_(folder), rules_(std::move(rules)), clock_(std::move(clock)) {}
 
 api::Result<Job> JobService::submit(const Upload& upload) {
-  const auto row = check(upload);
+  return submit(upload, std::nullopt);
+}
+
+api::Result<Job> JobService::submit(const Upload& upload, std::optional<IdempotencyKey> key) {
+  auto row = check(upload);
   if (!row) {
     discard(upload);
     return row.error();
   }
+  row->key = std::move(key);
   auto job = keep(upload, *row);
   if (!job) return job;
+  tell_change();
   rules_.work_arrived();
   return job;
 }
@@ -35,6 +57,7 @@ api::Result<Job> JobService::submit(const Upload& upload) {
 api::Result<api::JobReport> JobService::validate(const Upload& upload) {
   const auto validated = [&]() -> api::Result<api::JobReport> {
     const std::filesystem::path folder = folder_.upload(upload.id);
+    if (const auto options = read_options(upload, clock_()); !options) return options.error();
     if (const api::Status fine = rules_.check(folder); !fine) return fine.error();
     if (const auto row = read_request(upload); !row) return row.error();
     return read_check_report(folder);
@@ -59,22 +82,60 @@ api::Result<NewJob> JobService::read_request(const Upload& upload) const {
     if (!bytes) return bytes.error();
     const auto request = api::parse_job_request(*bytes);
     if (!request) return request.error();
-    return NewJob{upload.id, request->name, request->frame_count, request->fps, upload.inputs};
+    NewJob row{upload.id, {}, request->frame_count, request->fps, upload.inputs};
+    row.settings.name = request->name;
+    row.owner = upload.owner;
+    return row;
   };
   auto job = read();
   ::malloc_trim(0);
   return job;
 }
 
-api::Result<NewJob> JobService::check(const Upload& upload) const {
+api::Status JobService::admit(std::string_view owner, std::int64_t bytes) {
   const auto waiting = store_.count(JobState::queued);
   if (!waiting) return waiting.error();
   if (*waiting >= rules_.queued_max)
     return api::Error{Fault::out_of_resources,
                       "the queue is full: " + std::to_string(*waiting) + " jobs are waiting"};
-  // The check first: it says what is wrong with every file.
-  if (const api::Status fine = rules_.check(folder_.upload(upload.id)); !fine) return fine.error();
-  return read_request(upload);
+  const auto of_owner = store_.count_queued_of(owner);
+  if (!of_owner) return of_owner.error();
+  if (*of_owner >= rules_.queued_of_one_owner_max)
+    return api::Error{Fault::too_many, "you have " + std::to_string(*of_owner) +
+                                           " jobs in the queue already, as many as one may have"};
+  return within_quota(owner, bytes);
+}
+
+api::Status JobService::within_quota(std::string_view owner, std::int64_t bytes) {
+  const auto refuse_above = [&](std::optional<std::string_view> whose, std::int64_t most,
+                                const std::string& what) -> api::Status {
+    if (most == INT64_MAX) return api::Done{};
+    const auto kept = store_.total_bytes(whose);
+    if (!kept) return kept.error();
+    if (*kept + bytes <= most) return api::Done{};
+    return api::Error{Fault::over_quota, what + " take " + std::to_string(*kept) + " of " +
+                                             std::to_string(most) +
+                                             " bytes; there is room again when some are removed"};
+  };
+  api::Status all = refuse_above(std::nullopt, rules_.bytes_max, "all jobs together");
+  if (!all) return all;
+  return refuse_above(owner, rules_.bytes_of_one_owner_max, "your jobs");
+}
+
+api::Result<NewJob> JobService::check(const Upload& upload) {
+  std::int64_t bytes = 0;
+  for (const InputFile& input : upload.inputs) bytes += input.bytes;
+  if (const api::Status admitted = admit(upload.owner, bytes); !admitted) return admitted.error();
+  const auto options = read_options(upload, clock_());
+  if (!options) return options.error();
+  // The worker's check first: it says what is wrong with every file.
+  const std::filesystem::path folder = folder_.upload(upload.id);
+  if (const api::Status fine = rules_.check(folder); !fine) return fine.error();
+  auto row = read_request(upload);
+  if (!row) return row;
+  row->forecast = read_check_report(folder).forecast;
+  apply(*options, row->settings);
+  return row;
 }
 
 api::Result<Job> JobService::keep(const Upload& upload, const NewJob& row) {
@@ -97,52 +158,6 @@ api::Result<Job> JobService::keep(const Upload& upload, const NewJob& row) {
   auto job = store_.insert(row);
   if (!job) (void)remove_tree(to);
   return job;
-}
-
-api::Result<JobPage> JobService::list(std::optional<JobState> state, std::optional<std::int64_t> before,
-                                      std::int64_t limit) {
-  // One more than asked for tells whether another page follows.
-  auto jobs = store_.list(state, before, limit + 1);
-  if (!jobs) return jobs.error();
-  JobPage page{std::move(*jobs), std::nullopt};
-  if (static_cast<std::int64_t>(page.jobs.size()) > limit) {
-    page.jobs.pop_back();
-    page.next = page.jobs.back().seq;
-  }
-  return page;
-}
-
-api::Result<Job> JobService::cancel(std::string_view id) {
-  auto job = store_.cancel(id);
-  if (job && job->state == JobState::cancel_requested) rules_.cancel_requested();
-  if (job && job->state == JobState::canceled) forget_checkpoint(*job);
-  return job;
-}
-
-api::Status JobService::remove(std::string_view id) {
-  const std::lock_guard lock(removing_);
-  if (api::Status begun = store_.begin_removal(id); !begun) return begun;
-  return remove_files_and_row(std::string(id));
-}
-
-api::Status JobService::remove_files_and_row(const std::string& id) {
-  if (api::Status removed = remove_tree(folder_.job(id)); !removed) return removed;
-  if (api::Status synced = sync_folder(folder_.jobs()); !synced) return synced;
-  return store_.erase(id);
-}
-
-api::Result<ArtefactFile> JobService::artefact(const Job& job, std::string_view path) {
-  if (job.state != JobState::succeeded)
-    return api::Error{Fault::not_found, "not made yet: the job is " + std::string(api::name_of(job.state))};
-  return store_.artefact(job.seq, path);
-}
-
-api::Result<std::vector<api::FrameRecord>> JobService::frames(const Job& job) {
-  auto frames = store_.frames(job.seq);
-  // `job` was read earlier: by now somebody may have removed it, and its rows with it.
-  if (frames && frames->size() != job.frame_count)
-    return api::Error{Fault::not_found, "the job has no frames any more"};
-  return frames;
 }
 
 // What fails here is tried again at the next start, or when it is next asked for: it is no reason not to

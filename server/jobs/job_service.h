@@ -1,9 +1,14 @@
 // What can be done with jobs: by clients, and by the supervisor that runs them. Knows neither HTTP nor SQL.
 #pragma once
 
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -14,6 +19,8 @@
 #include "api/result.h"
 #include "server/artefacts/data_folder.h"
 #include "server/jobs/attempt_outcome.h"
+#include "server/jobs/job_rules.h"
+#include "server/jobs/submission_keys.h"
 #include "server/store/job_store.h"
 
 namespace server {
@@ -22,89 +29,158 @@ namespace server {
 struct Upload {
   std::string id;  ///< new_job_id(); becomes the job's
   std::vector<InputFile> inputs;
+  std::string options = {};  ///< JSON, api::parse_job_options; empty: none were sent
+  std::string owner = {};    ///< name of the token that it came with; empty: nobody's
 };
 
-/// Looks at the files of a job folder without running it, and leaves check.json there. Errors:
-/// invalid_request with violations where the job is wrong.
-using CheckJob = std::function<api::Status(const std::filesystem::path& job_folder)>;
-
-struct JobRules {
-  std::uint32_t attempts_without_progress_max = 3;
-  std::int64_t queued_max = 10'000;
-  /// How often a job may run when the server is killed: more than by chance, so it may be the job's doing.
-  std::uint32_t orphaned_attempts_max = 10;
-  std::uint32_t disk_full_attempts_max = 10;
-  std::int64_t disk_full_wait_ms = 30'000;  ///< doubled with every attempt, up to disk_full_wait_ms_max
-  std::int64_t disk_full_wait_ms_max = 3'600'000;
-  CheckJob check;
-  std::function<void()> work_arrived = [] {};      ///< something was queued
-  std::function<void()> cancel_requested = [] {};  ///< a running job is to stop
+/// What became of a submission.
+struct Submitted {
+  Job job;
+  bool replayed = false;  ///< the job was there already, made by an earlier request with the same key
 };
 
 /// One page of the list, newest first.
 struct JobPage {
   std::vector<Job> jobs;
-  std::optional<std::int64_t> next;  ///< pass as `before` for the next page; none: this was the last
+  std::optional<std::int64_t> next;  ///< pass as `before_seq` for the next page; none: this was the last
 };
+
+/// The place of every queued job, by seq; 1 is the next.
+using QueuePositions = std::map<std::int64_t, std::int64_t>;
+
+/// What the workers of now take, as forecast.
+struct WorkerUse {
+  std::int64_t workers = 0;
+  std::int64_t cores = 0;
+  std::int64_t memory_bytes = 0;
+};
+
+struct QueueReport {
+  QueueSwitch queue;
+  std::map<api::JobState, std::int64_t> jobs;  ///< of every state
+  WorkerUse use;
+  WorkerBudget budget;
+};
+
+/// What a removal deletes, or would.
+struct Removal {
+  std::int64_t bytes = 0;
+  std::int64_t files = 0;
+};
+
+/// What the collection of garbage has done since the server started.
+struct GarbageReport {
+  std::int64_t last_ms = 0;  ///< when it last came to its end; 0: not yet
+  std::int64_t jobs = 0;     ///< removed because their time was over
+  std::int64_t bytes = 0;
+};
+
+/// What a worker is to do next.
+enum class Wanted { go_on, pause, cancel, deadline_passed, run_time_exceeded };
+
+/// Errors: invalid_request where the deadline is no later than `now_ms`.
+api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t now_ms);
 
 /// Safe for use by several threads.
 class JobService {
  public:
   JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock = system_clock_ms);
 
+  // Submission: job_service.cpp, submission_keys.cpp.
   /// Checks the upload in full, then makes it a queued job that survives whatever happens from now on. On any
   /// error nothing of it is left on disk. Errors: invalid_request (violations), out_of_resources (queue
-  /// full), disk_full, internal.
+  /// full), too_many, over_quota, disk_full, internal.
   api::Result<Job> submit(const Upload& upload);
+  /// The same under a key that the caller holds; a job that was made with it and the same upload is answered
+  /// instead of a second one. Errors: also invalid_request where the key was used for another upload.
+  api::Result<Submitted> submit(const Upload& upload, const HeldKey& key);
+  /// None: an earlier request with this key is still being answered.
+  std::optional<HeldKey> hold_key(std::string_view owner, std::string_view key) {
+    return keys_.hold(owner, key);
+  }
+  /// Would a submission of so many bytes be refused whatever it holds? Errors: those of submit.
+  api::Status admit(std::string_view owner, std::int64_t bytes);
   /// Checks the upload as submit does, and answers what the check found: warnings and the forecast. Nothing
-  /// of it is left on disk. Errors: those of submit, but for the queue.
+  /// of it is left on disk. Errors: those of submit, but for the queue and quotas.
   api::Result<api::JobReport> validate(const Upload& upload);
   /// Forgets an upload that did not become a job.
   void discard(const Upload& upload) const;
 
+  // What clients see and wish: job_actions.cpp.
   api::Result<Job> job(std::string_view id) { return store_.job(id); }
-  api::Result<JobPage> list(std::optional<api::JobState> state, std::optional<std::int64_t> before,
-                            std::int64_t limit);
+  api::Result<JobPage> list(const JobFilter& filter, std::int64_t limit);
   api::Result<Job> cancel(std::string_view id);
+  /// A running job stops once its worker has saved a checkpoint, from which it goes on later.
+  api::Result<Job> pause(std::string_view id);
+  api::Result<Job> resume(std::string_view id);
+  /// A failed or canceled job is queued again; it goes on from its last checkpoint, unless `from_start`.
+  api::Result<Job> retry(std::string_view id, bool from_start = false);
+  api::Result<Job> change(std::string_view id, const api::JobOptions& options,
+                          std::optional<std::int64_t> version);
   /// A finished job and all its files: files first, row last. Errors: not_found, wrong_state, internal.
   api::Status remove(std::string_view id);
+  /// What `remove` would delete. Errors: those of `remove`.
+  api::Result<Removal> what_remove_deletes(std::string_view id);
+  /// Returns when the job is final, after `patience`, or soon after stop_waiting(). Errors: not_found,
+  /// out_of_resources where too many wait already.
+  api::Result<Job> wait_until_final(std::string_view id, std::chrono::milliseconds patience);
+  /// Ends all waiting, now and later: the server stops.
+  void stop_waiting();
 
-  // Results, for reading.
+  // The queue: queue_state.cpp.
+  api::Result<QueueReport> queue();
+  /// Jobs that run go on, none is started.
+  api::Result<QueueReport> pause_queue(std::string_view reason);
+  api::Result<QueueReport> resume_queue();
+  /// Of now or a moment ago.
+  std::shared_ptr<const QueuePositions> queue_positions();
+  /// Removes jobs whose time is over and keys that are too old. What cannot be removed is tried again.
+  api::Status collect_garbage();
+  GarbageReport garbage() const;
+
+  // Results, for reading: job_actions.cpp.
   api::Result<ArtefactFile> artefact(const Job& job, std::string_view path);
   /// Those whose path fits `glob`, in which * stands for anything.
   api::Result<std::vector<ArtefactFile>> artefacts(const Job& job, std::string_view glob = "*") {
     return store_.artefacts(job.seq, glob);
   }
+  api::Result<std::vector<InputFile>> inputs(const Job& job) { return store_.inputs(job.seq); }
   /// One record per frame of a job that has succeeded. Errors: not_found where it was removed meanwhile.
   api::Result<std::vector<api::FrameRecord>> frames(const Job& job);
   std::filesystem::path folder_of(const Job& job) const { return folder_.job(job.id); }
 
-  // For the supervisor.
-  api::Result<std::optional<Claim>> claim() { return store_.claim(); }
+  // For the supervisor: end_attempt.cpp.
+  api::Result<std::optional<Claim>> claim(const Room& room = {});
   api::Status record_worker(const Lease& lease, const ProcessIdentity& worker) {
     return store_.record_worker(lease, worker);
   }
   api::Result<api::JobState> record_progress(const Lease& lease, const api::ProgressLine& line) {
     return store_.record_progress(lease, line);
   }
-  /// Is this attempt still wanted?
-  bool still_wanted(const Lease& lease);
+  /// Is this attempt, which has been running for so long, still wanted?
+  Wanted wanted(const Lease& lease, std::int64_t ran_ms = 0);
+  void set_use(const WorkerUse& use);
   /// The worker of this attempt is dead: what becomes of the job follows from how it ended.
   api::Status end_attempt(const Lease& lease, const AttemptOutcome& outcome);
 
   // At start-up, in this order.
   api::Result<std::vector<Orphan>> orphans() { return store_.orphans(); }
-  /// The worker of this orphan, if it had one, is dead: running -> queued, cancel_requested -> canceled;
-  /// failed where it ran too often when a server was killed.
+  /// The worker of this orphan, if it had one, is dead: running -> queued, pause_requested -> paused,
+  /// cancel_requested -> canceled; failed where it ran too often when a server was killed.
   api::Status take_up_again(const Orphan& orphan);
   /// Ends removals that were under way and deletes files that no job owns, as far as that is possible now.
   api::Status clean_up();
 
  private:
   api::Result<NewJob> read_request(const Upload& upload) const;
-  api::Result<NewJob> check(const Upload& upload) const;
+  api::Result<NewJob> check(const Upload& upload);
+  api::Status within_quota(std::string_view owner, std::int64_t bytes);
   api::Result<Job> keep(const Upload& upload, const NewJob& row);
+  api::Result<Job> submit(const Upload& upload, std::optional<IdempotencyKey> key);
+  api::Result<Job> wish(std::string_view id, api::JobEvent event, const StepReason& why);
   void forget_checkpoint(const Job& job) const;
+  void record_bytes(const Job& job);
+  void tell_change();
   api::Status settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status wait_for_room_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
@@ -117,6 +193,18 @@ class JobService {
   Clock clock_;
   mutable std::mutex parsing_;
   std::mutex removing_;  ///< two removals of one job would meet half of its files
+  SubmissionKeys keys_;
+
+  mutable std::mutex state_;  ///< of what follows
+  std::condition_variable changed_;
+  std::uint64_t changes_ = 0;  ///< counts what may have moved a job
+  std::size_t waiters_ = 0;
+  bool stopping_ = false;
+  WorkerUse use_;
+  GarbageReport garbage_;
+  std::shared_ptr<const QueuePositions> positions_;
+  std::uint64_t positions_of_change_ = 0;
+  std::chrono::steady_clock::time_point positions_at_{};
 };
 
 }  // namespace server

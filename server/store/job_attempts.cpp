@@ -6,6 +6,7 @@ namespace server {
 namespace {
 
 using api::Fault;
+using api::JobEvent;
 using api::JobState;
 
 /// An attempt has made progress when it came this much further than every earlier one. Not any amount: a job
@@ -17,44 +18,6 @@ api::Error superseded() {
 }
 
 }  // namespace
-
-api::Result<std::optional<Claim>> JobStore::claim() {
-  const std::lock_guard lock(mutex_);
-  Transaction transaction(database_);
-  if (const api::Status begun = transaction.begin(); !begun) return begun.error();
-  const std::int64_t now = clock_();
-  // INDEXED BY: without it the planner may sort the whole queue for every claim.
-  Statement oldest = database_.prepare(
-      "SELECT seq, id FROM job INDEXED BY job_claim WHERE state = 'queued' AND not_before_ms <= ? "
-      "ORDER BY seq LIMIT 1");
-  if (!oldest.bind(now).next()) {
-    if (const api::Status ok = oldest.status(); !ok) return ok.error();
-    return std::optional<Claim>();
-  }
-  const std::int64_t seq = oldest.integer(0);
-  const std::string id = oldest.text(1);
-  oldest.reset();
-
-  const api::Status stepped = step({seq, JobState::queued, JobState::running, {}});
-  if (!stepped) return stepped.error();
-  Statement lease = database_.prepare(
-      "UPDATE job SET attempt = attempt + 1, attempts_without_progress = attempts_without_progress + 1, "
-      "lease = lease + 1, started_ms = coalesce(started_ms, ?), stage = NULL, stage_fraction = 0, fraction = "
-      "0, "
-      "progress_message = '', seconds_left = NULL WHERE seq = ?");
-  if (const api::Status done = lease.bind(now).bind(seq).run(); !done) return done.error();
-  Statement attempt = database_.prepare(
-      "INSERT INTO attempt(job_seq, number, lease, started_ms) SELECT seq, attempt, lease, ? FROM job "
-      "WHERE seq = ? RETURNING lease");
-  attempt.bind(now).bind(seq);
-  const std::int64_t token = attempt.next() ? attempt.integer(0) : 0;
-  if (const api::Status done = attempt.run(); !done) return done.error();
-
-  const auto job = job_locked(id);
-  if (!job) return job.error();
-  if (const api::Status done = transaction.commit(); !done) return done.error();
-  return std::optional<Claim>(Claim{*job, Lease{seq, token}});
-}
 
 api::Status JobStore::record_worker(const Lease& lease, const ProcessIdentity& worker) {
   const std::lock_guard lock(mutex_);
@@ -88,7 +51,7 @@ api::Result<JobState> JobStore::record_progress(const Lease& lease, const api::P
 api::Result<Job> JobStore::leased_job_locked(const Lease& lease) {
   Statement select = database_.prepare(select_jobs(Reports::read) +
                                        "WHERE seq = ? AND lease = ? "
-                                       "AND state IN ('running', 'cancel_requested')");
+                                       "AND state IN ('running', 'pause_requested', 'cancel_requested')");
   select.bind(lease.job_seq).bind(lease.token);
   if (select.next()) return read_job(select);
   if (const api::Status ok = select.status(); !ok) return ok.error();
@@ -112,29 +75,44 @@ api::Status JobStore::end_attempt(const Lease& lease, std::string_view outcome, 
   return api::Done{};
 }
 
+// Whoever ends the attempt has not seen the wish to cancel yet: it has to look again.
+api::Status JobStore::refuse_canceled(const Lease& lease) {
+  const auto job = leased_job_locked(lease);
+  if (!job) return job.error();
+  if (job->state == JobState::cancel_requested)
+    return api::Error{Fault::wrong_state, "the job is to be canceled"};
+  return api::Done{};
+}
+
 // Common to every end of an attempt; inside the caller's transaction.
-api::Status JobStore::leave_running(const Lease& lease, const Step& wanted, const AttemptEnd& end,
-                                    std::string_view report_json) {
-  if (const auto held = leased_job_locked(lease); !held) return held.error();
-  const std::string_view outcome = wanted.why.reason.empty() ? api::name_of(wanted.to) : wanted.why.reason;
+api::Status JobStore::leave_running(const Lease& lease, JobEvent event, const StepReason& why,
+                                    const AttemptEnd& end, std::string_view report_json) {
+  const auto job = leased_job_locked(lease);
+  if (!job) return job.error();
+  const auto to = api::after(job->state, event);
+  if (!to) return superseded();
+  const std::string_view outcome = why.reason.empty() ? api::name_of(*to) : std::string_view(why.reason);
   if (api::Status ended = end_attempt(lease, outcome, end); !ended) return ended;
   Statement keep = database_.prepare(
       "UPDATE job SET best_fraction = max(best_fraction, fraction), seconds_left = NULL, "
-      "report = coalesce(?, report) WHERE seq = ?");
+      "report = coalesce(?, report), run_ms = run_ms + coalesce(?, (SELECT max(0, job.updated_ms - "
+      "attempt.started_ms) FROM attempt WHERE job_seq = seq AND number = job.attempt), 0) WHERE seq = ?");
   if (report_json.empty())
     keep.bind_null();
   else
     keep.bind(report_json);
+  keep.bind_optional(end.ran_ms);
   if (api::Status kept = keep.bind(lease.job_seq).run(); !kept) return kept;
-  return step(wanted);
+  return step({lease.job_seq, job->state, *to, why});
 }
 
 api::Status JobStore::succeed(const Lease& lease, const Results& results, std::string_view report_json) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (api::Status begun = transaction.begin(); !begun) return begun;
-  const Step wanted{lease.job_seq, JobState::running, JobState::succeeded, {}};
-  if (api::Status left = leave_running(lease, wanted, {0, std::nullopt}, report_json); !left) return left;
+  if (const api::Status wanted = refuse_canceled(lease); !wanted) return wanted;
+  if (api::Status left = leave_running(lease, JobEvent::done, {}, {0, std::nullopt}, report_json); !left)
+    return left;
   if (api::Status kept = insert_results(lease.job_seq, results); !kept) return kept;
   Statement whole = database_.prepare(
       "UPDATE job SET fraction = 1, stage_fraction = 1, "
@@ -150,8 +128,8 @@ api::Status JobStore::fail(const Lease& lease, const StepReason& why, const Atte
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (api::Status begun = transaction.begin(); !begun) return begun;
-  const Step wanted{lease.job_seq, JobState::running, JobState::failed, why};
-  if (api::Status left = leave_running(lease, wanted, end, report_json); !left) return left;
+  if (const api::Status wanted = refuse_canceled(lease); !wanted) return wanted;
+  if (api::Status left = leave_running(lease, JobEvent::gave_up, why, end, report_json); !left) return left;
   return transaction.commit();
 }
 
@@ -160,14 +138,18 @@ api::Status JobStore::requeue(const Lease& lease, const StepReason& why, const A
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (api::Status begun = transaction.begin(); !begun) return begun;
-  const Step wanted{lease.job_seq, JobState::running, JobState::queued, why};
-  if (api::Status left = leave_running(lease, wanted, end, {}); !left) return left;
+  if (const api::Status wanted = refuse_canceled(lease); !wanted) return wanted;
+  if (api::Status left = leave_running(lease, JobEvent::interrupted, why, end, {}); !left) return left;
+  // A paused job still shows how far it had come.
   Statement wait = database_.prepare(
-      "UPDATE job SET not_before_ms = ?, attempts_without_progress = max(0, attempts_without_progress - ?), "
-      "stage = NULL, stage_fraction = 0, fraction = 0, progress_message = '', seconds_left = NULL WHERE seq "
-      "= ?");
+      "UPDATE job SET not_before_ms = ?, attempts_without_progress = max(0, attempts_without_progress - ?) "
+      "WHERE seq = ?");
   wait.bind(not_before_ms).bind(std::int64_t{counted ? 0 : 1}).bind(lease.job_seq);
   if (api::Status done = wait.run(); !done) return done;
+  Statement progress = database_.prepare(
+      "UPDATE job SET stage = NULL, stage_fraction = 0, fraction = 0, progress_message = '' "
+      "WHERE seq = ? AND state = 'queued'");
+  if (api::Status done = progress.bind(lease.job_seq).run(); !done) return done;
   return transaction.commit();
 }
 
@@ -175,9 +157,11 @@ api::Status JobStore::finish_cancel(const Lease& lease, const AttemptEnd& end) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (api::Status begun = transaction.begin(); !begun) return begun;
+  const auto job = leased_job_locked(lease);
+  if (!job) return job.error();
+  if (job->state != JobState::cancel_requested) return superseded();
   const StepReason why{"canceled", "on request"};
-  const Step wanted{lease.job_seq, JobState::cancel_requested, JobState::canceled, why};
-  if (api::Status left = leave_running(lease, wanted, end, {}); !left) return left;
+  if (api::Status left = leave_running(lease, JobEvent::interrupted, why, end, {}); !left) return left;
   return transaction.commit();
 }
 
@@ -194,7 +178,8 @@ api::Result<std::vector<Orphan>> JobStore::orphans() {
   const std::lock_guard lock(mutex_);
   std::vector<Orphan> orphans;
   Statement jobs = database_.prepare(select_jobs(Reports::left_out) +
-                                     "WHERE state IN ('running', 'cancel_requested') ORDER BY seq");
+                                     "WHERE state IN ('running', 'pause_requested', 'cancel_requested') "
+                                     "ORDER BY seq");
   while (jobs.next()) orphans.push_back({read_job(jobs), {}, std::nullopt});
   if (const api::Status ok = jobs.status(); !ok) return ok.error();
 

@@ -54,7 +54,9 @@ std::optional<api::FrameKind> frame_kind_named(std::string_view name) {
 
 std::string select_jobs(Reports reports) {
   const std::string report = reports == Reports::read ? "coalesce(report, '')" : "''";
-  return "SELECT seq, id, name, state, reason, message, frame_count, fps, stage, stage_fraction, fraction, "
+  return "SELECT seq, id, owner, name, priority, deadline_ms, max_run_ms, ttl_ms, pinned, queued_ms, run_ms, "
+         "bytes, expires_ms, coalesce(forecast, ''), state, reason, message, frame_count, fps, stage, "
+         "stage_fraction, fraction, "
          "seconds_left, attempt, attempts_without_progress, key_frame_count, solved_frame_count, report IS "
          "NOT NULL, " +
          report + ", version, created_ms, updated_ms, started_ms, finished_ms FROM job ";
@@ -65,7 +67,18 @@ Job read_job(const Statement& row) {
   int column = 0;
   job.seq = row.integer(column++);
   job.id = row.text(column++);
-  job.name = row.text(column++);
+  job.owner = row.text(column++);
+  job.settings.name = row.text(column++);
+  job.settings.priority = static_cast<std::uint32_t>(row.integer(column++));
+  job.settings.deadline_ms = row.optional_integer(column++);
+  job.settings.max_run_ms = row.optional_integer(column++);
+  job.settings.ttl_ms = row.optional_integer(column++);
+  job.settings.pinned = row.integer(column++) != 0;
+  job.queued_ms = row.integer(column++);
+  job.run_ms = row.integer(column++);
+  job.bytes = row.integer(column++);
+  job.expires_ms = row.optional_integer(column++);
+  job.forecast = row.text(column++);
   // The schema's CHECK admits only names that api knows; a test compares the two.
   job.state = api::job_state_named(row.text(column++)).value_or(api::JobState::failed);
   job.reason = row.text(column++);

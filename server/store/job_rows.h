@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "api/job_options.h"
 #include "api/job_report.h"
 #include "api/job_status.h"
 #include "api/progress_line.h"
@@ -20,18 +21,42 @@ struct InputFile {
   std::int64_t bytes = 0;
 };
 
+/// What clients set, at submission and later.
+struct JobSettings {
+  std::string name;
+  std::uint32_t priority = api::kPriorityDefault;
+  api::Labels labels;
+  std::optional<std::int64_t> deadline_ms;  ///< not started, or not done, by then: failed
+  std::optional<std::int64_t> max_run_ms;   ///< of all attempts together
+  std::optional<std::int64_t> ttl_ms;       ///< kept for so long after it finished; none: until removed
+  bool pinned = false;                      ///< kept whatever ttl_ms says
+};
+
+/// What is given replaces what there was.
+void apply(const api::JobOptions& options, JobSettings& settings);
+
+/// By which a submission that comes twice is known.
+struct IdempotencyKey {
+  std::string key;             ///< 1 to 255 visible characters; of this owner
+  std::string request_sha256;  ///< of what was uploaded, 64 hexadecimal digits
+};
+
 struct NewJob {
   std::string id;
-  std::string name;
+  JobSettings settings;
   std::uint32_t frame_count = 1;
   double fps = 24;
   std::vector<InputFile> inputs;
+  std::string owner = {};                                ///< name of a token; empty: nobody's
+  std::optional<api::Forecast> forecast = std::nullopt;  ///< what it is expected to take
+  std::optional<IdempotencyKey> key = std::nullopt;
 };
 
 struct Job {
   std::int64_t seq = 0;  ///< order of submission, never used twice
   std::string id;
-  std::string name;
+  std::string owner;
+  JobSettings settings;
   api::JobState state = api::JobState::queued;
   std::string reason;   ///< stable word: why it is in this state
   std::string message;  ///< the same for people, with what is worth knowing
@@ -46,12 +71,58 @@ struct Job {
   std::optional<std::uint32_t> key_frame_count;     ///< of kind key; none before the job has succeeded
   std::optional<std::uint32_t> solved_frame_count;  ///< of kind key or check; none likewise
   bool has_report = false;
-  std::string report;        ///< the worker's last report as JSON; empty in lists
-  std::int64_t version = 1;  ///< counts every change
+  std::string report;          ///< the worker's last report as JSON; empty in lists
+  std::string forecast;        ///< as JSON; empty: not known
+  std::int64_t version = 1;    ///< counts every change
+  std::int64_t queued_ms = 0;  ///< since when it waits, for its place in the queue
+  std::int64_t run_ms = 0;     ///< of attempts that have ended, since it was submitted or retried
+  std::int64_t bytes = 0;      ///< of its files, when last looked at
   std::int64_t created_ms = 0;
   std::int64_t updated_ms = 0;
   std::optional<std::int64_t> started_ms;
   std::optional<std::int64_t> finished_ms;
+  std::optional<std::int64_t> expires_ms;  ///< removed after it, unless pinned; none: not to be removed
+};
+
+struct LabelFilter {
+  std::string name;
+  std::optional<std::string> value;  ///< none: any
+};
+
+/// Which jobs a list has: those that fit all of it.
+struct JobFilter {
+  std::optional<api::JobState> state = std::nullopt;
+  std::optional<std::string> owner = std::nullopt;
+  std::vector<LabelFilter> labels = {};
+  std::optional<std::int64_t> before_seq = std::nullopt;  ///< older than this one
+};
+
+/// What is free for another worker.
+struct Room {
+  std::int64_t memory_bytes = INT64_MAX;
+  bool all = true;  ///< no worker runs: the next job is started even where it needs more than there is
+};
+
+/// A queued job, as far as its place in the queue depends on it.
+struct Waiting {
+  std::int64_t seq = 0;
+  std::string owner;
+  std::uint32_t priority = 0;
+  std::int64_t queued_ms = 0;
+};
+
+/// How an owner was served, for whose turn it is.
+struct OwnerTurn {
+  std::string owner;
+  std::int64_t running = 0;     ///< jobs with a worker now
+  std::int64_t started_ms = 0;  ///< when one was started last; 0: never
+};
+
+/// May jobs be started, and why not.
+struct QueueSwitch {
+  bool paused = false;
+  std::string reason;
+  std::int64_t changed_ms = 0;
 };
 
 /// The right to write for one attempt of a job. Every write of an attempt carries it; once another attempt
@@ -84,6 +155,7 @@ struct Orphan {
 struct AttemptEnd {
   std::optional<int> exit_code;
   std::optional<int> signal;
+  std::optional<std::int64_t> ran_ms = std::nullopt;  ///< none: as far as the last sign of life tells
 };
 
 struct Attempt {

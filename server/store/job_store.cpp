@@ -53,20 +53,54 @@ api::Status JobStore::step(const Step& step) {
   return event.bind(step.why.reason).bind(step.why.message).run();
 }
 
+api::Status JobStore::insert_row(const NewJob& job, std::int64_t now) {
+  std::int64_t bytes = 0;
+  for (const InputFile& input : job.inputs) bytes += input.bytes;
+  const JobSettings& settings = job.settings;
+  Statement row = database_.prepare(
+      "INSERT INTO job(id, owner, name, priority, deadline_ms, max_run_ms, ttl_ms, pinned, forecast, "
+      "memory_bytes, frame_count, fps, input_bytes, bytes, state, queued_ms, created_ms, updated_ms) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 'queued', ?, ?, ?)");
+  row.bind(job.id).bind(job.owner).bind(settings.name).bind(std::int64_t{settings.priority});
+  row.bind_optional(settings.deadline_ms).bind_optional(settings.max_run_ms).bind_optional(settings.ttl_ms);
+  row.bind(std::int64_t{settings.pinned});
+  if (job.forecast)
+    row.bind(api::forecast_json(*job.forecast));
+  else
+    row.bind_null();
+  row.bind(static_cast<std::int64_t>(job.forecast ? job.forecast->memory_bytes : 0));
+  row.bind(std::int64_t{job.frame_count}).bind(job.fps).bind(bytes).bind(bytes);
+  return row.bind(now).bind(now).bind(now).run();
+}
+
+api::Status JobStore::insert_labels(std::int64_t seq, const api::Labels& labels) {
+  Statement row = database_.prepare("INSERT INTO job_label(job_seq, name, value) VALUES (?, ?, ?)");
+  for (const auto& [name, value] : labels) {
+    if (api::Status done = row.bind(seq).bind(name).bind(value).run(); !done) return done;
+    row.reset();
+  }
+  return api::Done{};
+}
+
+api::Status JobStore::read_labels(std::span<Job> jobs) {
+  Statement select = database_.prepare("SELECT name, value FROM job_label WHERE job_seq = ?");
+  for (Job& job : jobs) {
+    select.bind(job.seq);
+    while (select.next()) job.settings.labels[select.text(0)] = select.text(1);
+    if (api::Status ok = select.status(); !ok) return ok;
+    select.reset();
+  }
+  return api::Done{};
+}
+
 api::Result<Job> JobStore::insert(const NewJob& job) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (const api::Status begun = transaction.begin(); !begun) return begun.error();
   const std::int64_t now = clock_();
-  std::int64_t bytes = 0;
-  for (const InputFile& input : job.inputs) bytes += input.bytes;
-
-  Statement row = database_.prepare(
-      "INSERT INTO job(id, name, state, frame_count, fps, input_bytes, created_ms, updated_ms) "
-      "VALUES (?, ?, 'queued', ?, ?, ?, ?, ?)");
-  row.bind(job.id).bind(job.name).bind(std::int64_t{job.frame_count}).bind(job.fps).bind(bytes);
-  if (const api::Status done = row.bind(now).bind(now).run(); !done) return done.error();
+  if (const api::Status done = insert_row(job, now); !done) return done.error();
   const std::int64_t seq = database_.last_row();
+  if (const api::Status done = insert_labels(seq, job.settings.labels); !done) return done.error();
 
   Statement input_row =
       database_.prepare("INSERT INTO job_input(job_seq, name, role, bytes) VALUES (?, ?, ?, ?)");
@@ -75,7 +109,14 @@ api::Result<Job> JobStore::insert(const NewJob& job) {
     if (const api::Status done = input_row.run(); !done) return done.error();
     input_row.reset();
   }
-
+  if (job.key) {
+    // Fails where there is one already; those that are too old to count have been forgotten before.
+    Statement key = database_.prepare(
+        "INSERT INTO idempotency_key(owner, key, job_seq, request_sha256, created_ms) VALUES (?, ?, ?, ?, "
+        "?)");
+    key.bind(job.owner).bind(job.key->key).bind(seq).bind(job.key->request_sha256);
+    if (const api::Status done = key.bind(now).run(); !done) return done.error();
+  }
   Statement event = database_.prepare(
       "INSERT INTO event(job_seq, at_ms, to_state, reason, message) VALUES (?, ?, 'queued', 'submitted', "
       "'')");
@@ -90,9 +131,12 @@ api::Result<Job> JobStore::insert(const NewJob& job) {
 api::Result<Job> JobStore::job_locked(std::string_view id) {
   Statement select = database_.prepare(select_jobs(Reports::read) + "WHERE id = ? AND removing = 0");
   select.bind(id);
-  if (select.next()) return read_job(select);
+  const bool found = select.next();
   if (const api::Status ok = select.status(); !ok) return ok.error();
-  return no_such_job(id);
+  if (!found) return no_such_job(id);
+  Job job = read_job(select);
+  if (const api::Status labels = read_labels({&job, 1}); !labels) return labels.error();
+  return job;
 }
 
 api::Result<Job> JobStore::job(std::string_view id) {
@@ -100,17 +144,27 @@ api::Result<Job> JobStore::job(std::string_view id) {
   return job_locked(id);
 }
 
-api::Result<std::vector<Job>> JobStore::list(std::optional<JobState> state,
-                                             std::optional<std::int64_t> before_seq, std::int64_t limit) {
+api::Result<std::vector<Job>> JobStore::list(const JobFilter& filter, std::int64_t limit) {
   const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(select_jobs(Reports::left_out) + "WHERE removing = 0 AND seq < ?" +
-                                       (state ? " AND state = ?" : "") + " ORDER BY seq DESC LIMIT ?");
-  select.bind(before_seq.value_or(INT64_MAX));
-  if (state) select.bind(api::name_of(*state));
+  std::string where = "WHERE removing = 0 AND seq < ?";
+  if (filter.state) where += " AND state = ?";
+  if (filter.owner) where += " AND owner = ?";
+  for (const LabelFilter& label : filter.labels)
+    where += std::string(" AND EXISTS (SELECT 1 FROM job_label WHERE job_seq = seq AND job_label.name = ?") +
+             (label.value ? " AND value = ?)" : ")");
+  Statement select = database_.prepare(select_jobs(Reports::left_out) + where + " ORDER BY seq DESC LIMIT ?");
+  select.bind(filter.before_seq.value_or(INT64_MAX));
+  if (filter.state) select.bind(api::name_of(*filter.state));
+  if (filter.owner) select.bind(*filter.owner);
+  for (const LabelFilter& label : filter.labels) {
+    select.bind(label.name);
+    if (label.value) select.bind(*label.value);
+  }
   select.bind(limit);
   std::vector<Job> jobs;
   while (select.next()) jobs.push_back(read_job(select));
   if (const api::Status ok = select.status(); !ok) return ok.error();
+  if (const api::Status labels = read_labels(jobs); !labels) return labels.error();
   return jobs;
 }
 
@@ -121,65 +175,6 @@ api::Result<std::int64_t> JobStore::count(JobState state) {
   const std::int64_t count = select.next() ? select.integer(0) : 0;
   if (const api::Status ok = select.status(); !ok) return ok.error();
   return count;
-}
-
-api::Result<Job> JobStore::cancel(std::string_view id) {
-  const std::lock_guard lock(mutex_);
-  Transaction transaction(database_);
-  if (const api::Status begun = transaction.begin(); !begun) return begun.error();
-  const auto job = job_locked(id);
-  if (!job) return job;
-  // Asking twice is no error: the second request may be the first one's repetition.
-  if (job->state == JobState::cancel_requested || job->state == JobState::canceled) return job;
-
-  const JobState to = job->state == JobState::queued ? JobState::canceled : JobState::cancel_requested;
-  if (!api::may_step(job->state, to))
-    return api::Error{Fault::wrong_state,
-                      "the job is " + std::string(api::name_of(job->state)) + " and cannot be canceled"};
-  const api::Status stepped = step({job->seq, job->state, to, {"canceled", "on request"}});
-  if (!stepped) return stepped.error();
-  auto canceled = job_locked(id);
-  if (!canceled) return canceled;
-  if (const api::Status done = transaction.commit(); !done) return done.error();
-  return canceled;
-}
-
-api::Status JobStore::begin_removal(std::string_view id) {
-  const std::lock_guard lock(mutex_);
-  Statement begun = database_.prepare("SELECT 1 FROM job WHERE id = ? AND removing = 1");
-  if (begun.bind(id).next()) return api::Done{};
-  if (api::Status ok = begun.status(); !ok) return ok;
-  const auto job = job_locked(id);
-  if (!job) return job.error();
-  if (!api::is_final(job->state))
-    return api::Error{Fault::wrong_state, "the job is " + std::string(api::name_of(job->state)) +
-                                              "; cancel it first, then remove it"};
-  Statement mark = database_.prepare("UPDATE job SET removing = 1, version = version + 1 WHERE seq = ?");
-  return mark.bind(job->seq).run();
-}
-
-api::Status JobStore::erase(std::string_view id) {
-  const std::lock_guard lock(mutex_);
-  Statement erase = database_.prepare("DELETE FROM job WHERE id = ? AND removing = 1");
-  return erase.bind(id).run();
-}
-
-api::Result<std::vector<std::string>> JobStore::jobs_being_removed() {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT id FROM job WHERE removing = 1");
-  std::vector<std::string> ids;
-  while (select.next()) ids.push_back(select.text(0));
-  if (const api::Status ok = select.status(); !ok) return ok.error();
-  return ids;
-}
-
-api::Result<std::vector<std::string>> JobStore::all_ids() {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT id FROM job");
-  std::vector<std::string> ids;
-  while (select.next()) ids.push_back(select.text(0));
-  if (const api::Status ok = select.status(); !ok) return ok.error();
-  return ids;
 }
 
 }  // namespace server

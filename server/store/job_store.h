@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -34,15 +35,21 @@ class JobStore {
   static api::Result<std::unique_ptr<JobStore>> open(const std::filesystem::path& file,
                                                      Clock clock = system_clock_ms);
 
-  // Clients.
+  // Clients: job_store.cpp.
+  /// With its key, if it has one; wrong_state where that key has a job already.
   api::Result<Job> insert(const NewJob& job);
   api::Result<Job> job(std::string_view id);
-  /// Newest first, of `state` if given, older than `before_seq` if given.
-  api::Result<std::vector<Job>> list(std::optional<api::JobState> state,
-                                     std::optional<std::int64_t> before_seq, std::int64_t limit);
+  /// Newest first.
+  api::Result<std::vector<Job>> list(const JobFilter& filter, std::int64_t limit);
   api::Result<std::int64_t> count(api::JobState state);
-  /// queued -> canceled, running -> cancel_requested; nothing to do for the two states it leads to.
-  api::Result<Job> cancel(std::string_view id);
+  /// cancel, pause, resume or retry, as api::kJobReactions says; a wish that is fulfilled already changes
+  /// nothing.
+  api::Result<Job> wish(std::string_view id, api::JobEvent event, const StepReason& why);
+  /// Only what is given in `options`. Errors: changed where `version` is given and is no longer the job's.
+  api::Result<Job> change(std::string_view id, const api::JobOptions& options,
+                          std::optional<std::int64_t> version);
+
+  // Removal and what is kept: job_retention.cpp.
   /// Marks a finished job as being removed: from now on nobody sees it. The row goes with `erase`. Marking it
   /// again is no error, so that a removal that failed halfway can be asked for again.
   api::Status begin_removal(std::string_view id);
@@ -50,10 +57,39 @@ class JobStore {
   api::Result<std::vector<std::string>> jobs_being_removed();
   /// Of all jobs that have a row, those being removed included.
   api::Result<std::vector<std::string>> all_ids();
+  /// Finished jobs whose time is over, at most `limit`.
+  api::Result<std::vector<std::string>> expired(std::int64_t limit);
+  api::Status record_bytes(std::int64_t job_seq, std::int64_t bytes);
+  /// Of all jobs together, or of those of `owner`.
+  api::Result<std::int64_t> total_bytes(std::optional<std::string_view> owner = std::nullopt);
 
-  // Attempts.
-  /// The oldest queued job becomes running under a new lease; none: nothing is waiting.
-  api::Result<std::optional<Claim>> claim();
+  // Keys of submissions: job_keys.cpp.
+  struct KeyedJob {
+    Job job;
+    std::string request_sha256;
+  };
+  /// The job that was submitted under this key after `since_ms`, if there is one.
+  api::Result<std::optional<KeyedJob>> job_of_key(std::string_view owner, std::string_view key,
+                                                  std::int64_t since_ms);
+  api::Status forget_keys(std::int64_t before_ms);
+
+  // The queue: job_queue.cpp.
+  api::Result<QueueSwitch> queue();
+  api::Result<QueueSwitch> set_queue(bool paused, std::string_view reason);
+  api::Result<std::map<api::JobState, std::int64_t>> counts();
+  api::Result<std::int64_t> count_queued_of(std::string_view owner);
+  /// All queued jobs, for each owner in the order in which they are taken.
+  api::Result<std::vector<Waiting>> waiting();
+  api::Result<std::vector<OwnerTurn>> owner_turns();
+  /// Queued and paused jobs whose deadline has passed become failed. -> how many
+  api::Result<std::int64_t> fail_overdue();
+  /// The wall clock may have jumped: nobody has been waiting, or was served, later than now.
+  api::Status mend_times();
+
+  // Attempts: job_claims.cpp, job_attempts.cpp.
+  /// The job whose turn it is, of those that fit into `room`, becomes running under a new lease; none:
+  /// nothing is waiting, nothing fits, or the queue is paused.
+  api::Result<std::optional<Claim>> claim(const Room& room = {});
   api::Status record_worker(const Lease& lease, const ProcessIdentity& worker);
   /// Records progress and answers the job's state, so that the caller learns of a wish to cancel.
   api::Result<api::JobState> record_progress(const Lease& lease, const api::ProgressLine& line);
@@ -61,7 +97,8 @@ class JobStore {
   api::Status succeed(const Lease& lease, const Results& results, std::string_view report_json);
   api::Status fail(const Lease& lease, const StepReason& why, const AttemptEnd& end,
                    std::string_view report_json);
-  /// running -> queued. `counted`: the attempt counts towards the limit of attempts without progress.
+  /// running -> queued, pause_requested -> paused. `counted`: the attempt counts towards the limit of
+  /// attempts without progress.
   api::Status requeue(const Lease& lease, const StepReason& why, const AttemptEnd& end, bool counted,
                       std::int64_t not_before_ms = 0);
   api::Status finish_cancel(const Lease& lease, const AttemptEnd& end);
@@ -71,7 +108,7 @@ class JobStore {
   /// The wall clock may have jumped while the server was down: nobody waits longer than from now on.
   api::Status forget_waiting_times();
 
-  // Results.
+  // Results: job_results.cpp.
   api::Result<std::vector<InputFile>> inputs(std::int64_t job_seq);
   api::Result<std::vector<Attempt>> attempts(std::int64_t job_seq);
   api::Result<std::vector<Event>> events(std::int64_t job_seq);
@@ -86,14 +123,29 @@ class JobStore {
     api::JobState to;
     StepReason why;
   };
+  struct Chosen {
+    std::int64_t seq = 0;
+    std::string id;
+    std::string owner;
+  };
 
   JobStore(Database database, Clock clock) : database_(std::move(database)), clock_(std::move(clock)) {}
 
   api::Status step(const Step& step);
+  api::Status enter_queue(std::int64_t seq);
+  api::Status insert_row(const NewJob& job, std::int64_t now);
+  api::Status insert_labels(std::int64_t seq, const api::Labels& labels);
+  api::Status read_labels(std::span<Job> jobs);
+  api::Status write_settings(const Job& job);
+  api::Result<std::optional<Chosen>> choose(const Room& room, std::int64_t now);
+  api::Result<Lease> begin_attempt(const Chosen& chosen, std::int64_t now);
   api::Status end_attempt(const Lease& lease, std::string_view outcome, const AttemptEnd& end);
-  api::Status leave_running(const Lease& lease, const Step& step, const AttemptEnd& end,
-                            std::string_view report_json);
+  api::Status refuse_canceled(const Lease& lease);
+  api::Status leave_running(const Lease& lease, api::JobEvent event, const StepReason& why,
+                            const AttemptEnd& end, std::string_view report_json);
   api::Status insert_results(std::int64_t job_seq, const Results& results);
+  api::Result<QueueSwitch> queue_locked();
+  api::Result<std::vector<OwnerTurn>> owner_turns_locked();
   api::Result<Job> job_locked(std::string_view id);
   api::Result<Job> leased_job_locked(const Lease& lease);
 

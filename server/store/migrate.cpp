@@ -1,5 +1,6 @@
 #include "server/store/migrate.h"
 
+#include <algorithm>
 #include <string>
 
 namespace server {
@@ -14,6 +15,14 @@ api::Result<std::int64_t> pragma_value(Database& database, std::string_view name
   return value;
 }
 
+api::Status check_references(Database& database) {
+  Statement keys = database.prepare("PRAGMA foreign_key_check");
+  if (keys.next())
+    return api::Error{api::Fault::internal,
+                      "database is damaged: a row of " + keys.text(0) + " refers to a row that is gone"};
+  return keys.status();
+}
+
 api::Status apply(Database& database, const Migration& migration) {
   Transaction transaction(database);
   if (api::Status begun = transaction.begin(); !begun) return begun;
@@ -24,7 +33,23 @@ api::Status apply(Database& database, const Migration& migration) {
       return api::Error{done.error().fault,
                         "migration " + std::string(migration.name) + ": " + done.error().message};
   }
+  if (api::Status whole = check_references(database); !whole) return whole;
   return transaction.commit();
+}
+
+// A table is replaced by dropping it, and with foreign keys on that would delete what refers to its rows. The
+// pragma does nothing within a transaction.
+api::Status apply_all(Database& database, std::span<const Migration> missing) {
+  if (missing.empty()) return api::Done{};
+  if (api::Status off = database.execute("PRAGMA foreign_keys=OFF"); !off) return off;
+  api::Status applied = api::Done{};
+  for (const Migration& migration : missing)
+    if (applied) applied = apply(database, migration);
+  if (api::Status on = database.execute("PRAGMA foreign_keys=ON"); !on) return on;
+  const auto enforced = pragma_value(database, "foreign_keys");
+  if (applied && (!enforced || *enforced != 1))
+    return api::Error{api::Fault::internal, "database: foreign keys do not come on again"};
+  return applied;
 }
 
 api::Status claim_file(Database& database, int version) {
@@ -56,11 +81,9 @@ api::Status migrate(Database& database, std::span<const Migration> wanted) {
                                                 ", this build knows up to " + std::to_string(newest) +
                                                 "; start a newer keylume-server"};
   if (api::Status ours = claim_file(database, *version); !ours) return ours;
-  for (const Migration& migration : wanted) {
-    if (migration.number <= *version) continue;
-    if (api::Status applied = apply(database, migration); !applied) return applied;
-  }
-  return api::Done{};
+  const auto first = std::find_if(wanted.begin(), wanted.end(),
+                                  [&](const Migration& migration) { return migration.number > *version; });
+  return apply_all(database, {first, wanted.end()});
 }
 
 api::Status check_integrity(Database& database) {
@@ -68,11 +91,7 @@ api::Status check_integrity(Database& database) {
   const std::string answer = quick.next() ? quick.text(0) : "no answer";
   if (api::Status ok = quick.status(); !ok) return ok;
   if (answer != "ok") return api::Error{api::Fault::internal, "database is damaged: " + answer};
-  Statement keys = database.prepare("PRAGMA foreign_key_check");
-  if (keys.next())
-    return api::Error{api::Fault::internal,
-                      "database is damaged: a row of " + keys.text(0) + " refers to a row that is gone"};
-  return keys.status();
+  return check_references(database);
 }
 
 }  // namespace server

@@ -15,6 +15,7 @@ enum class Reports { read, left_out };
 /// up to megabytes each.
 std::string select_jobs(Reports reports);
 
+/// Without the labels, which have rows of their own.
 Job read_job(const Statement& row);
 
 std::string_view name_of(InputRole role);

@@ -1,147 +1,175 @@
 #include "server/workers/attempt.h"
 
-#include <poll.h>
 #include <signal.h>
 #include <unistd.h>
 
-#include <array>
-#include <optional>
+#include <algorithm>
 #include <utility>
 
 #include "api/exit_code.h"
-#include "server/workers/progress_tail.h"
-#include "server/workers/worker_log.h"
 
 namespace server {
 namespace {
 
-using SteadyClock = std::chrono::steady_clock;
+using std::chrono::duration_cast;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
 
-/// Why we ended the worker ourselves.
-enum class Killed { no, canceled, server_stopped, stuck, flooded };
+}  // namespace
 
-/// The watch over one living worker.
-class Watch {
- public:
-  Watch(JobService& jobs, const Claim& claim, const WorkerRules& rules, ChildProcess& worker,
-        ProgressTail tail)
-      : jobs_(jobs),
-        claim_(claim),
-        rules_(rules),
-        worker_(worker),
-        tail_(std::move(tail)),
-        log_(jobs.folder_of(claim.job), "attempt " + std::to_string(claim.job.attempt)) {}
+// The tail is made before the worker starts, so that none of its lines is taken for one of an earlier
+// attempt.
+RunningAttempt::RunningAttempt(JobService& jobs, Claim claim, const WorkerRules& rules)
+    : jobs_(jobs),
+      claim_(std::move(claim)),
+      rules_(rules),
+      tail_(jobs.folder_of(claim_.job)),
+      log_(jobs.folder_of(claim_.job), "attempt " + std::to_string(claim_.job.attempt)) {
+  if (const auto forecast = api::parse_forecast(claim_.job.forecast))
+    memory_bytes_ = static_cast<std::int64_t>(forecast->memory_bytes);
+  start();
+}
 
-  void run(const Doorbell& bell, const std::atomic<bool>& stopping) {
-    while (!worker_.has_ended()) {
-      wait(bell);
-      log_open_ = log_open_ && log_.take_from(worker_.output());
-      follow_progress();
-      consider_ending(stopping);
-    }
-    if (log_open_) (void)log_.take_from(worker_.output());
-    follow_progress();
-    if (unrecorded_) record();
+void RunningAttempt::start() {
+  std::vector<std::string> arguments{"render", jobs_.folder_of(claim_.job).string(), "--parent",
+                                     std::to_string(::getpid()), "--sandbox"};
+  arguments.insert(arguments.end(), rules_.render_options.begin(), rules_.render_options.end());
+  auto worker = ChildProcess::start(rules_.program, arguments);
+  if (!worker) {
+    not_started_ = worker.error().message;
+    return;
   }
-
-  Killed killed() const { return killed_; }
-  std::string log_tail() const { return log_.tail(); }
-
- private:
-  void wait(const Doorbell& bell) {
-    // A closed pipe is always readable: once it is at its end, poll must not look at it.
-    std::array<pollfd, 3> events{pollfd{worker_.ended_descriptor(), POLLIN, 0},
-                                 pollfd{bell.descriptor(), POLLIN, 0},
-                                 pollfd{log_open_ ? worker_.output().get() : -1, POLLIN, 0}};
-    (void)::poll(events.data(), events.size(), static_cast<int>(rules_.look_every.count()));
-    if (events[1].revents & POLLIN) {
-      bell.clear();
-      next_record_ = {};  // look at once whether the job is still wanted
+  if (const auto identity = identity_of(worker->pid())) {
+    // Without this record a later server could not make sure that this worker is dead: better no attempt.
+    if (const api::Status recorded = jobs_.record_worker(claim_.lease, *identity); !recorded) {
+      not_started_ = recorded.error().message;
+      return;
     }
   }
+  worker_.emplace(std::move(*worker));
+}
 
-  void follow_progress() {
-    ProgressTail::News news = tail_.read();
-    const auto now = SteadyClock::now();
-    if (news.alive) last_sign_ = now;
-    if (news.newest) unrecorded_ = std::move(news.newest);
-    if (now < next_record_) return;
-    next_record_ = now + rules_.record_every;
-    if (unrecorded_)
-      record();
-    else if (!jobs_.still_wanted(claim_.lease))
-      wanted_ = false;
+void RunningAttempt::look(bool stopping, bool at_once) {
+  if (!worker_) return;
+  take_output();
+  follow_progress(at_once);
+  consider_ending(stopping);
+}
+
+void RunningAttempt::take_output() {
+  log_open_ = log_open_ && log_.take_from(worker_->output());
+}
+
+void RunningAttempt::follow_progress(bool at_once) {
+  ProgressTail::News news = tail_.read();
+  const auto now = SteadyClock::now();
+  if (news.alive) last_line_ = last_sign_ = now;
+  if (news.newest) unrecorded_ = std::move(news.newest);
+  if (now < next_record_ && !at_once) return;
+  next_record_ = now + rules_.record_every;
+  if (unrecorded_) record();
+  wanted_ = jobs_.wanted(claim_.lease, ran_ms());
+  notice_signs_of_life();
+}
+
+void RunningAttempt::record() {
+  const auto state = jobs_.record_progress(claim_.lease, *unrecorded_);
+  if (!state && state.error().fault != api::Fault::wrong_state) return;  // kept for the next try
+  unrecorded_.reset();
+}
+
+void RunningAttempt::notice_signs_of_life() {
+  const std::int64_t ticks = processor_ticks_of(worker_->pid());
+  if (ticks > processor_ticks_) last_sign_ = SteadyClock::now();
+  processor_ticks_ = ticks;
+}
+
+RunningAttempt::Killed RunningAttempt::reason_to_end(bool stopping) const {
+  const auto now = SteadyClock::now();
+  switch (wanted_) {
+    case Wanted::cancel:
+      return Killed::canceled;
+    case Wanted::pause:
+      return Killed::paused;
+    case Wanted::deadline_passed:
+      return Killed::deadline_passed;
+    case Wanted::run_time_exceeded:
+      return Killed::run_time_exceeded;
+    case Wanted::go_on:
+      break;
   }
+  if (stopping) return Killed::server_stopped;
+  if (tail_.flooded()) return Killed::flooded;
+  if (now - last_sign_ >= rules_.silence_max || now - last_line_ >= rules_.busy_silence_max)
+    return Killed::stuck;
+  return Killed::no;
+}
 
-  void record() {
-    const auto state = jobs_.record_progress(claim_.lease, *unrecorded_);
-    if (!state && state.error().fault != api::Fault::wrong_state) return;  // kept for the next try
-    unrecorded_.reset();
-    if (!state || *state != api::JobState::running) wanted_ = false;
+void RunningAttempt::consider_ending(bool stopping) {
+  const auto now = SteadyClock::now();
+  const Killed reason = reason_to_end(stopping);
+  if (killed_ == Killed::no && reason != Killed::no) {
+    killed_ = reason;
+    const bool polite = killed_ != Killed::stuck && killed_ != Killed::flooded;
+    worker_->signal_group(polite ? SIGTERM : SIGKILL);
+    kill_at_ = now + (killed_ == Killed::canceled ? rules_.cancel_grace : rules_.stop_grace);
+  } else if (killed_ == Killed::paused && reason == Killed::canceled) {
+    killed_ = reason;  // nobody needs its checkpoint any more
+    kill_at_ = std::min(kill_at_, now + rules_.cancel_grace);
+  } else if (killed_ != Killed::no && now >= kill_at_) {
+    worker_->signal_group(SIGKILL);
   }
+}
 
-  void consider_ending(const std::atomic<bool>& stopping) {
-    const auto now = SteadyClock::now();
-    if (killed_ == Killed::no) {
-      if (wanted_ && !stopping && now - last_sign_ < rules_.silence_max && !tail_.flooded()) return;
-      killed_ = !wanted_          ? Killed::canceled
-                : stopping        ? Killed::server_stopped
-                : tail_.flooded() ? Killed::flooded
-                                  : Killed::stuck;
-      const bool polite = killed_ == Killed::canceled || killed_ == Killed::server_stopped;
-      worker_.signal_group(polite ? SIGTERM : SIGKILL);
-      kill_at_ = now + rules_.stop_grace;
-    } else if (now >= kill_at_) {
-      worker_.signal_group(SIGKILL);
-    }
-  }
+std::int64_t RunningAttempt::ran_ms() const {
+  return duration_cast<milliseconds>(SteadyClock::now() - began_).count();
+}
 
-  JobService& jobs_;
-  const Claim& claim_;
-  const WorkerRules& rules_;
-  ChildProcess& worker_;
-  ProgressTail tail_;
-  WorkerLog log_;
-  bool log_open_ = true;
-  bool wanted_ = true;
-  Killed killed_ = Killed::no;
-  std::optional<api::ProgressLine> unrecorded_;
-  SteadyClock::time_point last_sign_ = SteadyClock::now();
-  SteadyClock::time_point next_record_{};
-  SteadyClock::time_point kill_at_{};
-};
-
-AttemptOutcome not_started(const api::Error& error) {
-  return {OutcomeKind::lost, "worker_not_started", error.message, {}, {}};
+AttemptOutcome RunningAttempt::end() {
+  if (!worker_) return {OutcomeKind::lost, "worker_not_started", not_started_, {}, {}};
+  if (log_open_) (void)log_.take_from(worker_->output());
+  ProgressTail::News news = tail_.read();
+  if (news.newest) unrecorded_ = std::move(news.newest);
+  if (unrecorded_) record();
+  const ProcessEnd end = worker_->reap();
+  worker_.reset();
+  const bool finished_anyway = end.exit_code == static_cast<int>(api::ExitCode::ok);
+  AttemptOutcome outcome = killed_ == Killed::no || finished_anyway
+                               ? outcome_of(end)
+                               : outcome_of_killing({end.exit_code, end.signal, std::nullopt});
+  outcome.end.ran_ms = ran_ms();
+  outcome.log_tail = log_.tail();
+  return outcome;
 }
 
 // Whatever exit code or signal our own killing led to, it was our doing.
-AttemptOutcome outcome_of_killing(Killed killed, const ProcessEnd& end, const WorkerRules& rules) {
-  const AttemptEnd how{end.exit_code, end.signal};
-  switch (killed) {
+AttemptOutcome RunningAttempt::outcome_of_killing(const AttemptEnd& end) const {
+  const auto outcome = [&](OutcomeKind kind, const char* reason, const std::string& message) {
+    return AttemptOutcome{kind, reason, message, end, {}};
+  };
+  switch (killed_) {
     case Killed::stuck:
-      return {OutcomeKind::lost,
-              "worker_stuck",
-              "the worker gave no sign for " + std::to_string(rules.silence_max.count() / 1000) +
-                  " s and was killed",
-              how,
-              {}};
+      return outcome(OutcomeKind::lost, "stuck",
+                     "the worker made no progress for " +
+                         std::to_string(duration_cast<seconds>(SteadyClock::now() - last_line_).count()) +
+                         " s and was killed");
     case Killed::flooded:
-      return {OutcomeKind::lost,
-              "worker_flooded",
-              "the worker wrote progress without end and was killed",
-              how,
-              {}};
+      return outcome(OutcomeKind::lost, "worker_flooded",
+                     "the worker wrote progress without end and was killed");
     case Killed::server_stopped:
-      return {OutcomeKind::server_stopped, "server_stopped", "the server was stopped", how, {}};
+      return outcome(OutcomeKind::server_stopped, "server_stopped", "the server was stopped");
+    case Killed::paused:
+      return outcome(OutcomeKind::paused, "paused", "on request");
+    case Killed::deadline_passed:
+      return outcome(OutcomeKind::time_over, "deadline_passed", "it was not done by then");
+    case Killed::run_time_exceeded:
+      return outcome(OutcomeKind::time_over, "run_time_exceeded", "it ran for as long as it may");
     case Killed::canceled:
     case Killed::no:
       break;
   }
-  return {OutcomeKind::lost, "canceled", "the attempt was no longer wanted", how, {}};
+  return outcome(OutcomeKind::lost, "canceled", "the attempt was no longer wanted");
 }
-
-}  // namespace
 
 AttemptOutcome outcome_of(const ProcessEnd& end) {
   const AttemptEnd how{end.exit_code, end.signal};
@@ -174,31 +202,6 @@ AttemptOutcome outcome_of(const ProcessEnd& end) {
           "the worker ended with exit code " + std::to_string(end.exit_code.value_or(-1)),
           how,
           {}};
-}
-
-AttemptOutcome run_attempt(JobService& jobs, const Claim& claim, const WorkerRules& rules,
-                           const Doorbell& bell, const std::atomic<bool>& stopping) {
-  std::vector<std::string> arguments{"render", jobs.folder_of(claim.job).string(), "--parent",
-                                     std::to_string(::getpid()), "--sandbox"};
-  arguments.insert(arguments.end(), rules.render_options.begin(), rules.render_options.end());
-  // Before the worker starts, so that none of its lines is taken for one of an earlier attempt.
-  ProgressTail tail(jobs.folder_of(claim.job));
-  auto worker = ChildProcess::start(rules.program, arguments);
-  if (!worker) return not_started(worker.error());
-  if (const auto identity = identity_of(worker->pid())) {
-    // Without this record a later server could not make sure that this worker is dead: better no attempt.
-    const api::Status recorded = jobs.record_worker(claim.lease, *identity);
-    if (!recorded) return not_started(recorded.error());
-  }
-  Watch watch(jobs, claim, rules, *worker, std::move(tail));
-  watch.run(bell, stopping);
-  const ProcessEnd end = worker->reap();
-  const bool finished_anyway = end.exit_code == static_cast<int>(api::ExitCode::ok);
-  AttemptOutcome outcome = watch.killed() == Killed::no || finished_anyway
-                               ? outcome_of(end)
-                               : outcome_of_killing(watch.killed(), end, rules);
-  outcome.log_tail = watch.log_tail();
-  return outcome;
 }
 
 }  // namespace server

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <thread>
 
+#include "server/workers/attempt.h"
 #include "server/workers/child_process.h"
 
 namespace server {
@@ -20,6 +21,8 @@ constexpr auto kDeathPatience = 10s;
 constexpr auto kLookAgainAfter = 10ms;
 constexpr int kStartTimeField = 22;  // proc(5), /proc/PID/stat
 constexpr int kStateField = 3;
+constexpr int kUserTimeField = 14;
+constexpr int kSystemTimeField = 15;
 
 std::string read_text(const std::string& path) {
   std::ifstream file(path);
@@ -49,6 +52,21 @@ api::Result<ProcessIdentity> identity_of(pid_t pid) {
   if (!fields || state == "Z" || state == "X") return gone;  // dead already, only not reaped
   std::from_chars(field.data(), field.data() + field.size(), identity.start_ticks);
   return identity;
+}
+
+std::int64_t processor_ticks_of(pid_t pid) {
+  const std::string stat = read_text("/proc/" + std::to_string(pid) + "/stat");
+  const std::size_t name_end = stat.rfind(')');
+  if (name_end == stat.npos) return 0;
+  std::istringstream fields(stat.substr(name_end + 1));
+  std::string field;
+  std::int64_t ticks = 0;
+  for (int number = kStateField; number <= kSystemTimeField && fields >> field; ++number) {
+    std::int64_t value = 0;
+    std::from_chars(field.data(), field.data() + field.size(), value);
+    if (number >= kUserTimeField) ticks += value;
+  }
+  return ticks;
 }
 
 api::Status kill_and_confirm(const ProcessIdentity& process) {

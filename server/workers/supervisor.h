@@ -2,7 +2,7 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -11,12 +11,13 @@
 #include "server/jobs/job_service.h"
 #include "server/workers/attempt.h"
 #include "server/workers/doorbell.h"
+#include "server/workers/recorder.h"
 
 namespace server {
 
-/// Takes the jobs of the queue one after the other, each in a worker process. Workers are started by this
-/// thread only, because it lives as long as the server does: the kernel kills a worker with the thread that
-/// started it.
+/// Takes jobs from the queue, each into a worker process, as many at once as the budget allows by their
+/// forecasts; one that needs more than all of it runs alone. Workers are started by this thread only, because
+/// it lives as long as the server does: the kernel kills a worker with the thread that started it.
 class Supervisor {
  public:
   /// `bell` is rung when there is something to do: a new job, or a wish to cancel.
@@ -28,33 +29,24 @@ class Supervisor {
   /// Makes sure that the workers of an earlier server are dead, queues their jobs again, then starts. What
   /// cannot be done yet (full disk) is tried again while the other jobs go on.
   api::Status start();
-  /// Stops the worker, whose job stays queued, and the thread. Returns when both have ended.
+  /// Stops the workers, whose jobs stay queued, and the thread. Returns when all have ended.
   void stop();
 
  private:
-  using SteadyClock = std::chrono::steady_clock;
-
-  struct EndedAttempt {
-    std::string id;
-    Lease lease;
-    AttemptOutcome outcome;
-  };
-
   void run();
-  void run_one(const Claim& claim);
-  void rest();
-  void catch_up();
-  bool take_up(const Orphan& orphan);        ///< false: must be tried again
-  bool record(const EndedAttempt& attempt);  ///< false: must be tried again
+  WorkerUse use() const;
+  bool start_next();  ///< false: nothing to start, or no room
+  void wait();
+  void look_at_all();
   void complain(const std::string& trouble);
 
   JobService& jobs_;
   const Doorbell& bell_;
-  WorkerRules rules_;
-  std::vector<Orphan> orphans_;           ///< of an earlier server, not taken up again yet
-  std::vector<EndedAttempt> unrecorded_;  ///< their jobs are still `running` in the store
-  SteadyClock::time_point catch_up_at_{};
+  const WorkerRules rules_;
+  Recorder recorder_;
+  std::vector<std::unique_ptr<RunningAttempt>> running_;
   std::string last_complaint_;  ///< said once, not every second
+  bool rung_ = false;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

@@ -31,7 +31,7 @@ TEST_F(JobServiceTest, AValidatedUploadIsAnsweredAndNothingIsKept) {
   EXPECT_EQ(report->forecast->patches, 30u);
   EXPECT_TRUE(std::filesystem::is_empty(folder_->uploads()));
   EXPECT_TRUE(std::filesystem::is_empty(folder_->jobs()));
-  EXPECT_TRUE(jobs_->list(std::nullopt, std::nullopt, 10)->jobs.empty());
+  EXPECT_TRUE(jobs_->list({}, 10)->jobs.empty());
 
   check_result_ = api::Error{Fault::invalid_request, "no", {{"scene.obj", "", 3, 7, "syntax", "no"}}};
   const auto refused = jobs_->validate(make_upload());
@@ -53,7 +53,8 @@ TEST_F(JobServiceTest, TheTimeLeftIsThatOfTheWorkerAtWork) {
   EXPECT_FALSE(job(submitted.id).seconds_left) << "nobody is at it";
 }
 
-// What the next attempt goes on from is kept for as long as there may be one, and no longer.
+// What the next attempt goes on from is kept for as long as there may be one: a failed or canceled job can be
+// tried again.
 class CheckpointsOfAJob : public ServiceTest {
  protected:
   std::filesystem::path checkpoint(const Job& job) { return jobs_->folder_of(job) / "checkpoint"; }
@@ -81,12 +82,12 @@ TEST_F(CheckpointsOfAJob, OutliveACrashAndAServerThatIsStopped) {
   EXPECT_TRUE(std::filesystem::exists(checkpoint(claimed.job) / "solve"));
 }
 
-TEST_F(CheckpointsOfAJob, GoWhenTheJobFailsForGood) {
+TEST_F(CheckpointsOfAJob, OutliveAFailure) {
   submit();
   Claim claimed = claim_with_checkpoint();
   ASSERT_TRUE(jobs_->end_attempt(claimed.lease, {OutcomeKind::refused, "invalid_input", "no", {2, {}}, {}}));
   EXPECT_EQ(job(claimed.job.id).state, JobState::failed);
-  EXPECT_FALSE(std::filesystem::exists(checkpoint(claimed.job)));
+  EXPECT_TRUE(std::filesystem::exists(checkpoint(claimed.job)));
 
   submit();
   for (std::uint32_t attempt = 0; attempt < rules_.attempts_without_progress_max; ++attempt) {
@@ -94,23 +95,23 @@ TEST_F(CheckpointsOfAJob, GoWhenTheJobFailsForGood) {
     ASSERT_TRUE(jobs_->end_attempt(claimed.lease, crash()));
   }
   EXPECT_EQ(job(claimed.job.id).state, JobState::failed);
-  EXPECT_FALSE(std::filesystem::exists(checkpoint(claimed.job)));
+  EXPECT_TRUE(std::filesystem::exists(checkpoint(claimed.job)));
 }
 
-TEST_F(CheckpointsOfAJob, GoWhenTheJobIsCanceledRunningOrWaiting) {
+TEST_F(CheckpointsOfAJob, OutliveACancelRunningOrWaiting) {
   submit();
   Claim claimed = claim_with_checkpoint();
   ASSERT_TRUE(jobs_->cancel(claimed.job.id));
   ASSERT_TRUE(jobs_->end_attempt(claimed.lease, crash()));
   EXPECT_EQ(job(claimed.job.id).state, JobState::canceled);
-  EXPECT_FALSE(std::filesystem::exists(checkpoint(claimed.job)));
+  EXPECT_TRUE(std::filesystem::exists(checkpoint(claimed.job)));
 
   submit();
   claimed = claim_with_checkpoint();
   ASSERT_TRUE(jobs_->end_attempt(claimed.lease, crash()));
   ASSERT_TRUE(jobs_->cancel(claimed.job.id));
   EXPECT_EQ(job(claimed.job.id).state, JobState::canceled);
-  EXPECT_FALSE(std::filesystem::exists(checkpoint(claimed.job)));
+  EXPECT_TRUE(std::filesystem::exists(checkpoint(claimed.job)));
 }
 
 TEST_F(CheckpointsOfAJob, GoWithTheHalfArtefactsOfAJobThatWaitsForRoom) {

@@ -55,7 +55,7 @@ TEST_F(JobServiceTest, NothingIsLeftOfARefusedUpload) {
 
   EXPECT_TRUE(std::filesystem::is_empty(folder_->uploads()));
   EXPECT_TRUE(std::filesystem::is_empty(folder_->jobs()));
-  EXPECT_TRUE(jobs_->list(std::nullopt, std::nullopt, 10)->jobs.empty());
+  EXPECT_TRUE(jobs_->list({}, 10)->jobs.empty());
 }
 
 TEST_F(JobServiceTest, AFullQueueTakesNoMore) {
@@ -158,7 +158,7 @@ TEST_F(JobServiceTest, AWishToCancelWinsOverEveryOutcome) {
     const std::string id = submit().id;
     const Claim claimed = claim();
     ASSERT_TRUE(jobs_->cancel(id));
-    EXPECT_FALSE(jobs_->still_wanted(claimed.lease));
+    EXPECT_EQ(jobs_->wanted(claimed.lease), Wanted::cancel);
     ASSERT_TRUE(jobs_->end_attempt(claimed.lease, {kind, "r", "m", {}, ""}));
     EXPECT_EQ(job(id).state, JobState::canceled);
   }

@@ -8,7 +8,7 @@ TEST_F(SocketTest, AnUploadBecomesAJobWithItsLengthKnownOrInChunks) {
   const std::string body = upload_body("v 0 0 0");
   EXPECT_EQ(status_of(upload_head("Content-Length: " + std::to_string(body.size()) + "\r\n") + body), 202);
   EXPECT_EQ(status_of(upload_head("Transfer-Encoding: chunked\r\n") + chunked(body, 7)), 202);
-  EXPECT_EQ(jobs_->list(std::nullopt, std::nullopt, 10)->jobs.size(), 2u);
+  EXPECT_EQ(jobs_->list({}, 10)->jobs.size(), 2u);
 }
 
 TEST_F(SocketTest, AnUploadBeyondTheLimitIs413HoweverItIsSent) {
@@ -193,7 +193,7 @@ TEST_F(SocketTest, APageOfAnotherOriginMayChangeNothing) {
   const std::string body = upload_body("v 0 0 0");
   const std::string length = "Content-Length: " + std::to_string(body.size()) + "\r\n";
   EXPECT_EQ(status_of(upload_head("Origin: http://example.com\r\n" + length) + body), 403);
-  EXPECT_EQ(jobs_->list(std::nullopt, std::nullopt, 10)->jobs.size(), 1u);
+  EXPECT_EQ(jobs_->list({}, 10)->jobs.size(), 1u);
   EXPECT_EQ(status_of("GET /v1/jobs HTTP/1.1\r\nHost: localhost\r\nOrigin: http://example.com\r\n\r\n"), 200)
       << "its browser keeps the answer from it";
   EXPECT_EQ(cancel_from("http://localhost:8080"), 202);

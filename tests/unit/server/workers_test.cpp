@@ -130,7 +130,7 @@ TEST_F(WorkersTest, AWorkerThatSaysNothingIsKilled) {
   worker_rules_.silence_max = 200ms;
   const Job done = run_to_end("hang");
   EXPECT_EQ(done.state, JobState::failed);
-  EXPECT_EQ(done.reason, "worker_stuck");
+  EXPECT_EQ(done.reason, "stuck");
 }
 
 TEST_F(WorkersTest, SuccessWithoutFilesOrWithFalseOnesIsNotBelieved) {

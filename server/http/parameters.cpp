@@ -1,0 +1,47 @@
+#include "server/http/parameters.h"
+
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+
+namespace server {
+
+std::optional<std::int64_t> whole_number(std::string_view text) {
+  std::int64_t value = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
+    return std::nullopt;
+  return value;
+}
+
+std::string percent_encoded(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string encoded;
+  for (const char c : text) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                       c == '-' || c == '.' || c == '_' || c == '~';
+    const auto byte = static_cast<unsigned char>(c);
+    if (plain)
+      encoded += c;
+    else
+      encoded.append({'%', kDigits[byte >> 4], kDigits[byte & 15]});
+  }
+  return encoded;
+}
+
+std::int64_t wait_preference(std::string_view prefer, std::int64_t most) {
+  constexpr std::string_view kWait = "wait=";
+  while (!prefer.empty()) {
+    const std::size_t comma = prefer.find_first_of(",;");
+    std::string_view entry = prefer.substr(0, comma);
+    prefer = comma == prefer.npos ? std::string_view() : prefer.substr(comma + 1);
+    while (entry.starts_with(' ')) entry.remove_prefix(1);
+    while (entry.ends_with(' ')) entry.remove_suffix(1);
+    if (!entry.starts_with(kWait)) continue;
+    const auto seconds = whole_number(entry.substr(kWait.size()));
+    return seconds ? std::clamp<std::int64_t>(*seconds, 0, most) : 0;
+  }
+  return 0;
+}
+
+}  // namespace server

@@ -1,0 +1,103 @@
+#include "server/workers/recorder.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/log.h"
+#include "server/workers/child_process.h"
+
+namespace server {
+
+Recorder::Recorder(JobService& jobs, RecorderRules rules, std::function<void()> recorded)
+    : jobs_(jobs), rules_(rules), recorded_(std::move(recorded)) {}
+
+void Recorder::start(std::vector<Orphan> orphans) {
+  orphans_ = std::move(orphans);
+  catch_up();
+  thread_ = std::thread([this] { run(); });
+}
+
+void Recorder::add(EndedAttempt ended) {
+  {
+    const std::lock_guard lock(mutex_);
+    new_.push_back(std::move(ended));
+  }
+  added_.notify_one();
+}
+
+void Recorder::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  added_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Recorder::run() {
+  bool stopping = false;
+  while (!stopping) {
+    std::vector<EndedAttempt> ended;
+    {
+      std::unique_lock lock(mutex_);
+      added_.wait_until(lock, std::min(catch_up_at_, collect_at_),
+                        [this] { return stopping_ || !new_.empty(); });
+      ended.swap(new_);
+      stopping = stopping_;
+    }
+    for (EndedAttempt& attempt : ended)
+      if (!record(attempt)) unrecorded_.push_back(std::move(attempt));
+    if (!ended.empty()) recorded_();
+    if (SteadyClock::now() >= catch_up_at_) catch_up();
+    if (!stopping && SteadyClock::now() >= collect_at_) collect_garbage();
+  }
+}
+
+// The database may be unable to write for a while (full disk). That must neither end the service nor hold up
+// the other jobs; a job whose end is not written stays `running` until then, or until the next start.
+void Recorder::catch_up() {
+  const auto before = orphans_.size() + unrecorded_.size();
+  std::erase_if(orphans_, [this](const Orphan& orphan) { return take_up(orphan); });
+  std::erase_if(unrecorded_, [this](const EndedAttempt& ended) { return record(ended); });
+  if (orphans_.size() + unrecorded_.size() != before) recorded_();
+  catch_up_at_ = SteadyClock::now() + rules_.retry_every;
+}
+
+void Recorder::collect_garbage() {
+  if (const api::Status collected = jobs_.collect_garbage(); !collected)
+    complain("cannot look for jobs whose time is over: " + collected.error().message);
+  collect_at_ = SteadyClock::now() + rules_.collect_every;
+}
+
+bool Recorder::take_up(const Orphan& orphan) {
+  // Dead first, queued after: two workers must never share a job's folder.
+  api::Status taken = orphan.worker ? kill_and_confirm(*orphan.worker) : api::Status(api::Done{});
+  if (taken) taken = jobs_.take_up_again(orphan);
+  if (!taken && taken.error().fault != api::Fault::wrong_state) {
+    complain(orphan.job.id + " cannot be taken up again yet: " + taken.error().message);
+    return false;
+  }
+  log_line(orphan.job.id + " was " + std::string(api::name_of(orphan.job.state)) +
+           " when the last server ended; taken up again");
+  return true;
+}
+
+bool Recorder::record(const EndedAttempt& ended) {
+  const api::Status recorded = jobs_.end_attempt(ended.lease, ended.outcome);
+  if (!recorded && recorded.error().fault != api::Fault::wrong_state) {
+    complain(ended.id + " cannot record the end of an attempt yet: " + recorded.error().message);
+    return false;
+  }
+  const auto job = jobs_.job(ended.id);
+  if (!job) return true;
+  const std::string why = job->reason.empty() ? "" : " (" + job->reason + ")";
+  log_line(job->id + ": " + std::string(api::name_of(job->state)) + why);
+  return true;
+}
+
+void Recorder::complain(const std::string& trouble) {
+  if (trouble != last_complaint_) log_line(trouble);
+  last_complaint_ = trouble;
+}
+
+}  // namespace server
