@@ -10,13 +10,16 @@
 #include <cstring>
 #include <utility>
 
+#include "api/job_options.h"
 #include "server/artefacts/files.h"
 
 namespace server {
 namespace {
 
 constexpr std::size_t kNameBytesMax = 200;
-constexpr std::size_t kShownBytesMax = 64;  // of a name that means nothing to us
+constexpr std::size_t kShownBytesMax = 64;        // of a name that means nothing to us
+constexpr std::string_view kOptions = "options";  // a part without a file
+constexpr std::string_view kArchive = "archive";  // one that holds the others
 constexpr std::array<std::string_view, 2> kReservedNames{"scene.obj", "animation.json"};
 
 struct Field {
@@ -77,9 +80,9 @@ std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::
       std::find_if(kFields.begin(), kFields.end(), [&](const Field& f) { return f.name == field; });
   if (known == kFields.end()) {
     const std::string_view shown = field.substr(0, kShownBytesMax);
-    refuse_part(
-        shown, "unknown_part",
-        "there is no part '" + std::string(shown) + "'; known are scene, materials, textures, animation");
+    refuse_part(shown, "unknown_part",
+                "there is no part '" + std::string(shown) +
+                    "'; known are scene, materials, textures, animation, options, archive");
     return std::nullopt;
   }
   if (!known->stored_as.empty()) return InputFile{std::string(known->stored_as), known->role, 0};
@@ -112,26 +115,53 @@ bool UploadReceiver::has_room_for(const InputFile& input) {
   return true;
 }
 
+bool UploadReceiver::begin_options() {
+  if (has_options_) return refuse_part(kOptions, "duplicate_part", "'options' comes twice");
+  return has_options_ = in_options_ = true;
+}
+
 bool UploadReceiver::begin_part(std::string_view field, std::string_view file_name) {
   if (refusal_ || !close_file()) return false;
-  auto input = input_for(field, file_name);
-  if (!input || !has_room_for(*input)) return false;
+  in_options_ = in_archive_ = false;
+  if (field == kOptions) return begin_options();
+  if (field == kArchive) return begin_archive();
   if (file_name.empty() && hint_.empty())
     hint_ = "The part '" + std::string(field) + "' came without a file name; send it as a file: -F " +
             std::string(field) + "=@FILE";
-  inputs_.push_back(std::move(*input));
-  return open_file();
+  return begin_input(field, file_name);
 }
 
-bool UploadReceiver::open_file() {
-  const std::string path = (input_folder_ / inputs_.back().name).string();
+bool UploadReceiver::begin_input(std::string_view field, std::string_view file_name) {
+  auto input = input_for(field, file_name);
+  if (!input || !has_room_for(*input)) return false;
+  inputs_.push_back(std::move(*input));
+  return open_file(input_folder_ / inputs_.back().name);
+}
+
+bool UploadReceiver::open_file(const std::filesystem::path& path) {
   file_ = FileHandle(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file_) return refuse({0, file_error(path, errno)});
+  if (!file_) return refuse({0, file_error(path.string(), errno)});
+  return true;
+}
+
+bool UploadReceiver::take_option_bytes(std::string_view bytes) {
+  if (options_.size() + bytes.size() > api::kJobOptionsBytesMax)
+    return refuse_part(kOptions, "too_large",
+                       "options are larger than " + std::to_string(api::kJobOptionsBytesMax) + " bytes", 413);
+  options_ += bytes;
   return true;
 }
 
 bool UploadReceiver::take(std::string_view bytes) {
   if (refusal_) return false;
+  if (in_options_) return take_option_bytes(bytes);
+  if (in_archive_) {
+    total_bytes_ += static_cast<std::int64_t>(bytes.size());
+    if (total_bytes_ > limits_.total_bytes)
+      return refuse_part(kArchive, "too_large",
+                         "the upload is larger than " + std::to_string(limits_.total_bytes) + " bytes", 413);
+    return write(bytes);
+  }
   if (inputs_.empty()) return refuse({400, {api::Fault::invalid_request, "bytes before the first part"}});
   InputFile& input = inputs_.back();
   input.bytes += static_cast<std::int64_t>(bytes.size());
@@ -142,6 +172,10 @@ bool UploadReceiver::take(std::string_view bytes) {
   if (input.role == InputRole::animation && input.bytes > limits_.animation_bytes)
     return refuse_part(input.name, "too_large",
                        "animation is larger than " + std::to_string(limits_.animation_bytes) + " bytes", 413);
+  return write(bytes);
+}
+
+bool UploadReceiver::write(std::string_view bytes) {
   if (const api::Status written = write_all(file_, bytes); !written) return refuse({0, written.error()});
   return true;
 }
@@ -155,7 +189,7 @@ bool UploadReceiver::close_file() {
 }
 
 api::Result<Upload> UploadReceiver::finish() {
-  if (!refusal_) (void)close_file();
+  if (!refusal_ && close_file() && has_archive_) (void)unpack();
   for (const std::string_view needed : kReservedNames) {
     const bool here = std::any_of(inputs_.begin(), inputs_.end(),
                                   [&](const InputFile& input) { return input.name == needed; });
@@ -165,7 +199,7 @@ api::Result<Upload> UploadReceiver::finish() {
   }
   if (refusal_) return refusal_->error;
   finished_ = true;
-  return Upload{id_, inputs_};
+  return Upload{id_, inputs_, options_};
 }
 
 }  // namespace server

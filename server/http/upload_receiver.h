@@ -9,6 +9,7 @@
 
 #include "api/job_request.h"
 #include "api/result.h"
+#include "server/archives/archive.h"
 #include "server/artefacts/data_folder.h"
 #include "server/http/message.h"
 #include "server/jobs/job_service.h"
@@ -20,6 +21,7 @@ struct UploadLimits {
   std::int64_t animation_bytes = std::int64_t{api::kAnimationBytesMax};
   std::size_t materials = 16;
   std::size_t textures = 256;
+  ArchiveLimits archive;
 };
 
 /// Nothing is held in memory but the part at hand's name. Unless it is finished, the destructor removes what
@@ -51,7 +53,14 @@ class UploadReceiver {
  private:
   bool refuse(Refusal refusal);
   bool refuse_part(std::string_view part, std::string_view code, std::string detail, int status = 422);
-  bool open_file();
+  bool begin_options();
+  bool begin_archive();
+  bool begin_input(std::string_view field, std::string_view file_name);
+  bool take_option_bytes(std::string_view bytes);
+  bool write(std::string_view bytes);
+  bool unpack();
+  api::Status take_entry(const std::string& name);
+  bool open_file(const std::filesystem::path& path);
   bool close_file();
   std::optional<InputFile> input_for(std::string_view field, std::string_view file_name);
   bool has_room_for(const InputFile& input);
@@ -62,6 +71,11 @@ class UploadReceiver {
   std::filesystem::path input_folder_;
   FileHandle file_;
   std::vector<InputFile> inputs_;  ///< the last one is being received
+  std::string options_;            ///< of the part `options`, which is no file
+  bool has_options_ = false;
+  bool in_options_ = false;  ///< that part is being received
+  bool has_archive_ = false;
+  bool in_archive_ = false;
   std::int64_t total_bytes_ = 0;
   std::optional<Refusal> refusal_;
   std::string hint_;
