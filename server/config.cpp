@@ -34,15 +34,53 @@ api::Status take_listen(std::string_view text, Config& config) {
   return api::Done{};
 }
 
+struct NumberOption {
+  std::string_view name;
+  std::int64_t least;
+  std::int64_t most;
+  void (*set)(Config& config, std::int64_t value);
+};
+
+constexpr std::int64_t kBytesMost = std::int64_t{1} << 60;
+
+constexpr std::array kNumbers{
+    NumberOption{"--worker-threads", 1, 1024,
+                 [](Config& config, std::int64_t n) { config.worker_threads = static_cast<unsigned>(n); }},
+    NumberOption{
+        "--worker-threads-total", 1, 1024,
+        [](Config& config, std::int64_t n) { config.worker_threads_total = static_cast<unsigned>(n); }},
+    NumberOption{"--worker-memory-mb", 64, std::int64_t{1} << 30,
+                 [](Config& config, std::int64_t n) { config.worker_memory_mb = n; }},
+    NumberOption{"--max-upload-bytes", 1, std::int64_t{1} << 40,
+                 [](Config& config, std::int64_t n) { config.upload_bytes_max = n; }},
+    NumberOption{"--rate-limit", 0, 1'000'000,
+                 [](Config& config, std::int64_t n) { config.requests_per_second = static_cast<double>(n); }},
+    NumberOption{"--max-queued-per-token", 1, 10'000,
+                 [](Config& config, std::int64_t n) { config.queued_per_owner_max = n; }},
+    NumberOption{"--max-stored-bytes", 1, kBytesMost,
+                 [](Config& config, std::int64_t n) { config.stored_bytes_max = n; }},
+    NumberOption{"--max-stored-bytes-per-token", 1, kBytesMost,
+                 [](Config& config, std::int64_t n) { config.stored_bytes_per_owner_max = n; }},
+};
+
+const NumberOption* number_named(std::string_view name) {
+  const auto* found = std::find_if(kNumbers.begin(), kNumbers.end(),
+                                   [&](const NumberOption& option) { return option.name == name; });
+  return found == kNumbers.end() ? nullptr : found;
+}
+
 api::Status take_option(std::string_view name, std::string_view value, Config& config) {
   if (name == "--data") config.data = value;
   if (name == "--worker") config.worker = value;
   if (name == "--listen") return take_listen(value, config);
-  if (name == "--worker-threads" && !take_number(value, 1u, 1024u, config.worker_threads))
-    return wrong("--worker-threads: must be a whole number from 1 to 1024");
-  if (name == "--max-upload-bytes" &&
-      !take_number(value, std::int64_t{1}, std::int64_t{1} << 40, config.upload_bytes_max))
-    return wrong("--max-upload-bytes: must be a whole number from 1 to 2^40");
+  if (name == "--proxy") config.proxies.emplace_back(value);
+  const NumberOption* number = number_named(name);
+  if (!number) return api::Done{};
+  std::int64_t given = 0;
+  if (!take_number(value, number->least, number->most, given))
+    return wrong(std::string(name) + ": must be a whole number from " + std::to_string(number->least) +
+                 " to " + std::to_string(number->most));
+  number->set(config, given);
   return api::Done{};
 }
 
@@ -74,14 +112,15 @@ api::Result<CommandLine> complete(Config config) {
     return wrong("the worker 'keylume' is not found; say where it is with --worker PATH");
   if (!is_program(config.worker)) return wrong("--worker: " + config.worker.string() + " cannot be executed");
   config.worker = std::filesystem::absolute(config.worker);
-  if (!is_loopback(config.host) && !config.insecure_public)
-    return wrong("--listen: " + config.host +
-                 " can be reached from other machines, and whoever reaches the service may use it; listen on "
-                 "127.0.0.1, or give --insecure-public where something else keeps strangers out");
   return CommandLine(std::move(config));
 }
 
 }  // namespace
+
+double rate_limit(const Config& config) {
+  constexpr double kOfStrangers = 50;
+  return config.requests_per_second.value_or(is_loopback(config.host) ? 0 : kOfStrangers);
+}
 
 bool is_loopback(std::string_view host) {
   in_addr address{};
@@ -91,8 +130,7 @@ bool is_loopback(std::string_view host) {
 }
 
 api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words) {
-  constexpr std::array<std::string_view, 5> kWithValue{"--data", "--listen", "--worker", "--worker-threads",
-                                                       "--max-upload-bytes"};
+  constexpr std::array<std::string_view, 4> kWithText{"--data", "--listen", "--worker", "--proxy"};
   Config config;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
@@ -104,7 +142,7 @@ api::Result<CommandLine> parse_command_line(std::span<const std::string_view> wo
     }
     const std::size_t equals = word.find('=');
     const std::string_view name = word.substr(0, equals);
-    if (std::find(kWithValue.begin(), kWithValue.end(), name) == kWithValue.end())
+    if (!number_named(name) && std::find(kWithText.begin(), kWithText.end(), name) == kWithText.end())
       return wrong("'" + std::string(word) + "' is not an option");
     if (equals == word.npos && i + 1 == words.size())
       return wrong(std::string(name) + ": a value is missing");
@@ -122,10 +160,31 @@ usage: keylume-server --data DIR [options]
   --data DIR              where jobs, uploads and results are kept; made if missing
   --listen HOST:PORT      default 127.0.0.1:8080; port 0 takes any free one
   --worker PATH           the worker program; default: keylume beside this program, or along PATH
-  --worker-threads N      threads of one job; default: all cores
+  --worker-threads N      threads of one job; default: as many as all jobs together may use
+  --worker-threads-total N
+                          threads of all jobs that run at once; default: all cores
+  --worker-memory-mb N    memory of all jobs that run at once, by their forecasts; a job that needs more runs
+                          alone; default: four fifths of this machine's
   --max-upload-bytes N    of one job; default 2147483648
-  --insecure-public       allow a HOST that other machines can reach (there is no authentication)
+  --max-queued-per-token N
+                          jobs that those who share a token may have in the queue; default 10000
+  --max-stored-bytes N    of all jobs and their results; default: what the disk holds
+  --max-stored-bytes-per-token N
+                          of the jobs submitted with one token; default: no limit
+  --rate-limit N          requests per second of one token or address, 0 for no limit; default: none where only
+                          this machine can reach HOST, else 50
+  --proxy ADDRESS         a proxy in front of the service, whose X-Forwarded-For and X-Forwarded-Proto are
+                          believed; may be given several times
+  --insecure-public       allow a HOST that other machines can reach without a token, because something else keeps
+                          strangers out
   --help, --version
+
+other commands, each with --data DIR:
+  token create NAME [--scopes LIST] [--expires-days N] [--out FILE] [--if-none]
+                          make a token and print it, once; LIST: jobs:read,jobs:write,queue:admin,metrics:read
+                          (default jobs:read,jobs:write). From the first one on the service asks for tokens
+  token list              names, scopes and dates
+  token revoke NAME       at once, also where a server runs
 
 GET /openapi.json describes every request. SIGTERM stops the service; a running job stays queued.
 

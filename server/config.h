@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "api/result.h"
 
@@ -15,10 +17,17 @@ namespace server {
 struct Config {
   std::filesystem::path data;
   std::string host = "127.0.0.1";
-  int port = 8080;               ///< 0: any free one; the log says which
-  std::filesystem::path worker;  ///< the worker executable, found and executable
-  unsigned worker_threads = 0;   ///< of one job; 0: all cores
+  int port = 8080;                    ///< 0: any free one; the log says which
+  std::filesystem::path worker;       ///< the worker executable, found and executable
+  unsigned worker_threads = 0;        ///< of one job; 0: worker_threads_total
+  unsigned worker_threads_total = 0;  ///< of all jobs that run at once; 0: all cores
+  std::int64_t worker_memory_mb = 0;  ///< the same; 0: four fifths of this machine's
   std::int64_t upload_bytes_max = std::int64_t{2} << 30;
+  std::int64_t queued_per_owner_max = 10'000;
+  std::int64_t stored_bytes_max = INT64_MAX;            ///< of all jobs and their results
+  std::int64_t stored_bytes_per_owner_max = INT64_MAX;  ///< of those of one token
+  std::optional<double> requests_per_second;  ///< of one token or address; 0: no limit; none: see rate_limit
+  std::vector<std::string> proxies;           ///< addresses whose X-Forwarded-* headers are believed
   bool insecure_public = false;  ///< listen beyond this machine although anybody may then use the service
 };
 
@@ -30,6 +39,9 @@ using CommandLine = std::variant<Config, ShowHelp, ShowVersion>;
 /// `words` are argv without the program's name. Options are `--name value` or `--name=value`.
 /// Errors: invalid_request; the message names the word that is wrong.
 api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words);
+
+/// Requests per second of one token or address: as told, or none on loopback and 50 elsewhere.
+double rate_limit(const Config& config);
 
 /// Is `host` an address that only this machine can reach?
 bool is_loopback(std::string_view host);
