@@ -30,11 +30,21 @@ RunningAttempt::RunningAttempt(JobService& jobs, Claim claim, const WorkerRules&
   start();
 }
 
+/// As much as all workers together may have, and never less than twice the forecast, which is an estimate:
+/// a job that keeps to it is not disturbed, one that does not ends before the machine does.
+std::uint64_t RunningAttempt::memory_limit() const {
+  constexpr std::uint64_t kProgramBytes = 512u << 20;  // libraries and stacks, beside the job
+  const auto budget = static_cast<std::uint64_t>(rules_.budget.memory_bytes);
+  return std::max(budget, 2 * static_cast<std::uint64_t>(memory_bytes_)) + kProgramBytes;
+}
+
 void RunningAttempt::start() {
   std::vector<std::string> arguments{"render", jobs_.folder_of(claim_.job).string(), "--parent",
                                      std::to_string(::getpid()), "--sandbox"};
   arguments.insert(arguments.end(), rules_.render_options.begin(), rules_.render_options.end());
-  auto worker = ChildProcess::start(rules_.program, arguments);
+  ChildLimits limits;
+  limits.memory_bytes = memory_limit();
+  auto worker = ChildProcess::start(rules_.program, arguments, limits);
   if (!worker) {
     not_started_ = worker.error().message;
     return;

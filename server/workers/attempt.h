@@ -69,6 +69,7 @@ class RunningAttempt {
     flooded
   };
 
+  std::uint64_t memory_limit() const;
   void start();
   void take_output();
   void follow_progress(bool at_once);
