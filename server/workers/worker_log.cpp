@@ -15,8 +15,9 @@ constexpr int kPiecesAtOnce = 64;  // a flood must not keep us from watching
 }  // namespace
 
 WorkerLog::WorkerLog(const std::filesystem::path& job_folder, std::string_view title)
+    // O_NONBLOCK: a pipe that a worker put in its place must not hang us.
     : file_(::open((job_folder / "worker.log").c_str(),
-                   O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600)) {
+                   O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600)) {
   if (file_) (void)write_all(file_, "--- " + std::string(title) + "\n");
 }
 
