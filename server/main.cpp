@@ -103,13 +103,14 @@ api::Status check_who_may_enter(const Config& config, const TokenFolder& tokens)
   const std::int64_t now = system_clock_ms();
   for (const Token& token : *known)
     if (!token.expires_ms || now < *token.expires_ms) return api::Done{};
-  return api::Error{api::Fault::invalid_request,
-                    "--listen: " + config.host +
-                        " can be reached from other machines and there is no valid token, so nobody could be told "
-                        "from a stranger; make one with\n  keylume-server token create NAME --data " +
-                        config.data.string() +
-                        "\nor listen on 127.0.0.1, or give --insecure-public where something else keeps strangers "
-                        "out"};
+  return api::Error{
+      api::Fault::invalid_request,
+      "--listen: " + config.host +
+          " can be reached from other machines and there is no valid token, so nobody could be told "
+          "from a stranger; make one with\n  keylume-server token create NAME --data " +
+          config.data.string() +
+          "\nor listen on 127.0.0.1, or give --insecure-public where something else keeps strangers "
+          "out"};
 }
 
 /// Ends the process if stopping takes too long: whatever is under way, the data folder survives it.
@@ -159,7 +160,8 @@ int serve(HttpServer& http, JobService& jobs, EventHub& hub, Supervisor& supervi
 int run(const Config& config) {
   const sigset_t signals = block_stop_signals();
   TokenFolder tokens(config.data);
-  if (const api::Status told = check_who_may_enter(config, tokens); !told) return refuse(told.error(), kUsage);
+  if (const api::Status told = check_who_may_enter(config, tokens); !told)
+    return refuse(told.error(), kUsage);
   const auto folder = DataFolder::open(config.data);
   if (!folder)
     return refuse(folder.error(), folder.error().fault == api::Fault::wrong_state ? kInUse : kFailed);

@@ -13,7 +13,6 @@
 #include "server/http/body_reader.h"
 #include "server/http/library_answer.h"
 #include "server/http/library_request.h"
-#include "server/http/origin.h"
 #include "server/http/problem.h"
 
 namespace server {
@@ -28,6 +27,8 @@ constexpr std::size_t kRequestIdBytesMax = 64;
 
 /// The request that this thread is answering: a thread has one at a time.
 thread_local HttpRequest current;
+thread_local bool admitted = false;  ///< already, while the client waits to be told to go on
+thread_local std::vector<std::pair<std::string, std::string>> more_headers;  ///< for its answer
 
 bool is_request_id(std::string_view text) {
   return !text.empty() && text.size() <= kRequestIdBytesMax &&
@@ -47,6 +48,15 @@ std::string new_request_id() {
     id += kDigits[byte & 15];
   }
   return id;
+}
+
+/// Answers are data: no browser is to guess their type, run them, or show them inside another page.
+void set_safe_headers(httplib::Response& response) {
+  response.set_header("X-Content-Type-Options", "nosniff");
+  response.set_header("Referrer-Policy", "no-referrer");
+  response.set_header("Cross-Origin-Resource-Policy", "same-origin");
+  if (!response.has_header("Content-Security-Policy"))
+    response.set_header("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
 }
 
 /// One of a number of places, for as long as it lives; none is taken where it is not `counted`.
@@ -69,7 +79,8 @@ class Place {
 }  // namespace
 
 struct HttpServer::Library {
-  Library(const Router& router_, HttpRules rules_) : router(router_), rules(std::move(rules_)) {
+  Library(const Router& router_, Gate& gate_, HttpRules rules_)
+      : router(router_), gate(gate_), rules(std::move(rules_)) {
     set_limits();
     set_handlers();
   }
@@ -94,10 +105,11 @@ struct HttpServer::Library {
   void set_handlers() {
     using Handled = httplib::Server::HandlerResponse;
     server.set_pre_routing_handler([this](const auto& request, auto& response) {
-      take_over(request);
-      current = request_of(request);
+      const bool asked_before = std::exchange(admitted, false);
+      if (!asked_before) begin(request);
       const FoundRoute found = router.find(current.method, current.path);
-      if (const auto refused = refuse(request, found)) {
+      const auto refused = asked_before ? std::nullopt : refuse(request, found);
+      if (refused) {
         refuse_unread(*refused, stopping, request, response);
       } else if (takes_body(request, found)) {
         lead_to_body_handler(request);
@@ -116,12 +128,12 @@ struct HttpServer::Library {
     server.Patch(kBodyPath, with_body);
     server.Delete(kBodyPath, with_body);
     server.set_expect_100_continue_handler([this](const auto& request, auto& response) {
-      take_over(request);
-      current = request_of(request);
+      begin(request);
       const FoundRoute found = router.find(current.method, current.path);
       auto refused = refuse(request, found);
       if (!refused && streams(found) && uploads >= rules.uploads_max) refused = too_many_uploads();
-      if (!refused) return 100;
+      admitted = !refused;
+      if (admitted) return 100;
       send(*refused, stopping, response);
       return refused->status;
     });
@@ -136,9 +148,15 @@ struct HttpServer::Library {
     server.set_post_routing_handler([](const auto& request, auto& response) {
       const std::string given = request.get_header_value("X-Request-Id");
       response.set_header("X-Request-Id", is_request_id(given) ? given : new_request_id());
-      response.set_header("X-Content-Type-Options", "nosniff");
+      for (const auto& [name, value] : std::exchange(more_headers, {})) response.set_header(name, value);
+      set_safe_headers(response);
       if (response.status == 204 || response.status == 304) response.headers.erase("Content-Length");
     });
+  }
+
+  static void begin(const httplib::Request& request) {
+    take_over(request);
+    current = request_of(request);
   }
 
   static bool streams(const FoundRoute& found) { return found.route && found.route->upload; }
@@ -153,8 +171,9 @@ struct HttpServer::Library {
   }
 
   /// What can be said before the body is there.
-  std::optional<HttpAnswer> refuse(const httplib::Request& request, const FoundRoute& found) const {
-    if (auto refused = refuse_stranger(current, rules.this_machine_only)) return refused;
+  std::optional<HttpAnswer> refuse(const httplib::Request& request, const FoundRoute& found) {
+    more_headers.clear();
+    if (auto refused = gate.refuse(current, found.route, more_headers)) return refused;
     if (!may_bring_body(request) && (announced_bytes(request) > 0 || request.has_header("Transfer-Encoding")))
       return problem(413, "no body is expected here", current.path);
     if (request.has_header("Content-Encoding"))
@@ -217,6 +236,7 @@ struct HttpServer::Library {
   }
 
   const Router& router;
+  Gate& gate;
   HttpRules rules;
   std::atomic<bool> stopping = false;
   std::atomic<std::size_t> uploads = 0;
@@ -224,8 +244,8 @@ struct HttpServer::Library {
   httplib::Server server;
 };
 
-HttpServer::HttpServer(const Router& router, HttpRules rules)
-    : library_(std::make_unique<Library>(router, std::move(rules))) {}
+HttpServer::HttpServer(const Router& router, Gate& gate, HttpRules rules)
+    : library_(std::make_unique<Library>(router, gate, std::move(rules))) {}
 
 HttpServer::~HttpServer() = default;
 

@@ -8,14 +8,14 @@
 #include <string>
 
 #include "api/result.h"
+#include "server/http/gate.h"
 #include "server/http/router.h"
 
 namespace server {
 
 struct HttpRules {
   std::string host = "127.0.0.1";
-  int port = 8080;                ///< 0: any free one
-  bool this_machine_only = true;  ///< `host` is a loopback address: see refuse_stranger
+  int port = 8080;                                        ///< 0: any free one
   std::int64_t upload_bytes_max = std::int64_t{2} << 30;  ///< of one body that streams
   std::size_t small_body_bytes_max = 1 << 20;             ///< of one that does not
   // A connection holds a thread as long as it is open: the number of threads is the number of clients at
@@ -29,8 +29,8 @@ struct HttpRules {
 
 class HttpServer {
  public:
-  /// `router` must outlive it.
-  HttpServer(const Router& router, HttpRules rules);
+  /// `router` and `gate` must outlive it.
+  HttpServer(const Router& router, Gate& gate, HttpRules rules);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

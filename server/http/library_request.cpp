@@ -15,7 +15,7 @@ httplib::Request& writable(const httplib::Request& from) {
 }  // namespace
 
 HttpRequest request_of(const httplib::Request& from) {
-  HttpRequest request{from.method, from.path, {}, {}, {}, {}, from.remote_addr};
+  HttpRequest request{from.method, from.path, {}, {}, {}, {}, from.remote_addr, false};
   for (const auto& [name, value] : from.params) request.query.emplace_back(name, value);
   request.header = [&from](std::string_view name) -> std::optional<std::string> {
     const std::string key(name == "Content-Type" ? kContentTypeAside : name);

@@ -23,6 +23,7 @@ struct HttpRequest {
   std::string body = {};     ///< of small bodies, as JSON ones are; empty where the body streams (uploads)
   std::string owner = {};    ///< the name of the token that it was sent with; empty: none is asked for
   std::string address = {};  ///< of the client, or of the proxy before it
+  bool over_tls = false;     ///< a proxy of ours says that it came to it over TLS
 
   std::optional<std::string> parameter(std::string_view name) const {
     for (const auto& [key, value] : query)

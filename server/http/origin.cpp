@@ -45,7 +45,7 @@ std::optional<HttpAnswer> refuse_stranger(const HttpRequest& request, bool this_
     return problem(421, "this service answers for localhost only, not for the host that was asked for",
                    request.path);
   const auto origin = request.header("Origin");
-  if (!origin || (request.method != "POST" && request.method != "DELETE")) return std::nullopt;
+  if (!origin || request.method == "GET" || request.method == "HEAD") return std::nullopt;
   const auto theirs = authority_of(*origin);
   if (theirs && host && same_ignoring_case(*theirs, *host)) return std::nullopt;
   return problem(403, "a page of another origin may not change anything here", request.path);

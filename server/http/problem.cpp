@@ -13,6 +13,7 @@ constexpr std::string_view kRetryAfterSeconds = "30";
 
 constexpr std::array kTitles{
     std::pair{400, std::string_view("Bad Request")},
+    std::pair{401, std::string_view("Unauthorized")},
     std::pair{403, std::string_view("Forbidden")},
     std::pair{404, std::string_view("Not Found")},
     std::pair{405, std::string_view("Method Not Allowed")},

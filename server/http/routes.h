@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "server/artefacts/data_folder.h"
+#include "server/auth/token_folder.h"
 #include "server/events/event_hub.h"
 #include "server/http/message.h"
 #include "server/http/router.h"
@@ -20,6 +21,8 @@ void add_job_routes(Router& router, JobService& jobs);
 void add_result_routes(Router& router, JobService& jobs);
 /// /v1/events, /v1/jobs/{id}/events
 void add_event_routes(Router& router, JobService& jobs, EventHub& hub);
+/// /v1/login, /v1/logout
+void add_login_routes(Router& router, TokenFolder& tokens, std::function<std::int64_t()> clock);
 /// /healthz, /version, /openapi.json
 void add_service_routes(Router& router);
 

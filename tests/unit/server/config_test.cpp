@@ -31,14 +31,23 @@ TEST(CommandLine, ReadsEveryOptionInBothForms) {
   EXPECT_EQ(std::get<Config>(*parse_also({"--listen", "[::1]:9"})).host, "::1");
 }
 
-TEST(CommandLine, ListensBeyondThisMachineOnlyWhenToldTwice) {
-  for (const char* listen :
-       {"0.0.0.0:80", "192.168.1.2:80", "[::]:80", "example.com:80", "127.example.com:80"}) {
-    EXPECT_FALSE(parse_also({"--listen", listen})) << listen;
-    EXPECT_TRUE(parse_also({"--listen", listen, "--insecure-public"})) << listen;
-  }
-  for (const char* listen : {"127.0.0.1:80", "127.9.9.9:80", "localhost:80", "[::1]:80"})
-    EXPECT_TRUE(parse_also({"--listen", listen})) << listen;
+TEST(CommandLine, KnowsWhichAddressesOnlyThisMachineReaches) {
+  for (const char* host : {"0.0.0.0", "192.168.1.2", "::", "example.com", "127.example.com"})
+    EXPECT_FALSE(is_loopback(host)) << host;
+  for (const char* host : {"127.0.0.1", "127.9.9.9", "localhost", "::1"})
+    EXPECT_TRUE(is_loopback(host)) << host;
+}
+
+TEST(CommandLine, LimitsHowOftenStrangersMayAsk) {
+  const auto limit = [](std::vector<std::string_view> words) {
+    return rate_limit(std::get<Config>(*parse_also(std::move(words))));
+  };
+  EXPECT_EQ(limit({}), 0) << "who is on this machine may ask as often as it can";
+  EXPECT_EQ(limit({"--listen", "0.0.0.0:80"}), 50);
+  EXPECT_EQ(limit({"--listen", "0.0.0.0:80", "--rate-limit", "0"}), 0);
+  EXPECT_EQ(limit({"--rate-limit=7"}), 7);
+  const auto proxies = parse_also({"--proxy", "10.0.0.1", "--proxy=10.0.0.2"});
+  EXPECT_EQ(std::get<Config>(*proxies).proxies, (std::vector<std::string>{"10.0.0.1", "10.0.0.2"}));
 }
 
 TEST(CommandLine, NamesTheWordThatIsWrong) {

@@ -245,6 +245,8 @@ TEST_F(ServiceTest, EveryRouteIsInTheContractAndTheReverse) {
   ASSERT_TRUE(events);
   EventHub hub(**events);
   add_event_routes(router, *jobs_, hub);
+  TokenFolder tokens(temporary_.path());
+  add_login_routes(router, tokens, system_clock_ms);
   add_service_routes(router);
   std::set<std::string> ours;
   for (const Route& route : router.routes()) ours.insert(route.method + " " + route.pattern);

@@ -104,7 +104,9 @@ class SocketTest : public ServiceTest {
       };
       return answer;
     });
-    http_ = std::make_unique<HttpServer>(router_, http_rules_);
+    tokens_ = std::make_unique<TokenFolder>(temporary_.path() / "data");
+    gate_ = std::make_unique<Gate>(*tokens_, gate_rules_, [this] { return now_ms_; });
+    http_ = std::make_unique<HttpServer>(router_, *gate_, http_rules_);
     ASSERT_TRUE(http_->bind());
     listener_ = std::thread([this] { http_->run(); });
   }
@@ -154,7 +156,10 @@ class SocketTest : public ServiceTest {
   }
 
   UploadLimits limits_;
+  GateRules gate_rules_;
   HttpRules http_rules_;
+  std::unique_ptr<TokenFolder> tokens_;
+  std::unique_ptr<Gate> gate_;
   Router router_;
   std::unique_ptr<HttpServer> http_;
   std::thread listener_;

@@ -173,7 +173,7 @@ TEST_F(SocketTest, ARequestForAnotherHostIsRefusedOnLoopback) {
     EXPECT_EQ(status_of(std::string("GET /v1/jobs HTTP/1.1\r\nHost: ") + host + "\r\n\r\n"), 421) << host;
   EXPECT_EQ(status_of("GET /healthz HTTP/1.1\r\n\r\n"), 200) << "no browser leaves it out";
   stop();
-  http_rules_.this_machine_only = false;
+  gate_rules_.this_machine_only = false;
   start();
   EXPECT_EQ(status_of("GET /healthz HTTP/1.1\r\nHost: render.example\r\n\r\n"), 200);
 }
@@ -203,7 +203,7 @@ TEST_F(SocketTest, ATakenPortIsNotShared) {
   Router router;
   HttpRules rules;
   rules.port = http_->port();
-  HttpServer second(router, rules);
+  HttpServer second(router, *gate_, rules);
   const api::Status bound = second.bind();
   ASSERT_FALSE(bound);
   EXPECT_NE(bound.error().message.find(std::to_string(rules.port)), std::string::npos);

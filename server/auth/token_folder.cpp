@@ -1,0 +1,168 @@
+#include "server/auth/token_folder.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "api/json/json_text.h"
+#include "server/artefacts/files.h"
+#include "server/artefacts/verify.h"
+#include "server/auth/token_text.h"
+
+namespace server {
+namespace {
+
+constexpr std::int64_t kFileBytesMax = 4096;
+constexpr std::size_t kNameBytesMax = 64;
+
+bool is_token_name(std::string_view name) {
+  return !name.empty() && name.size() <= kNameBytesMax && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' ||
+           c == '_' || c == '-';
+  });
+}
+
+std::string json_of(const Token& token) {
+  return api::json_text(
+             {{"name", token.name},
+              {"prefix", token.prefix},
+              {"sha256", token.sha256},
+              {"scopes", text_of(token.scopes)},
+              {"created_ms", token.created_ms},
+              {"expires_ms", token.expires_ms ? api::Json(*token.expires_ms) : api::Json(nullptr)}}) +
+         "\n";
+}
+
+std::optional<Token> parse_token(std::string_view bytes) {
+  const auto json = api::parse_json(bytes, "token");
+  if (!json || !json->is_object()) return std::nullopt;
+  const auto text = [&](const char* name) {
+    const auto found = json->find(name);
+    return found != json->end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  const auto scopes = parse_scopes(text("scopes"));
+  Token token{text("name"), text("prefix"), text("sha256"), {}, 0, {}};
+  if (!scopes || !is_token_name(token.name) || token.sha256.size() != 64) return std::nullopt;
+  token.scopes = *scopes;
+  const auto created = json->find("created_ms"), expires = json->find("expires_ms");
+  if (created != json->end() && created->is_number_integer()) token.created_ms = *created;
+  // A date that cannot be read must not mean "for ever".
+  if (expires == json->end() || !(expires->is_null() || expires->is_number_integer())) return std::nullopt;
+  if (expires->is_number_integer()) token.expires_ms = expires->get<std::int64_t>();
+  return token;
+}
+
+/// Whole or not at all, and never over another file.
+api::Status write_new_file(const std::filesystem::path& file, std::string_view bytes) {
+  const std::filesystem::path part = file.string() + ".part";
+  FileHandle handle(::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!handle) return file_error(part.string(), errno);
+  api::Status written = write_all(handle, bytes);
+  if (written && ::fsync(handle.get()) != 0) written = file_error(part.string(), errno);
+  if (written && ::link(part.c_str(), file.c_str()) != 0) written = file_error(file.string(), errno);
+  ::unlink(part.c_str());
+  if (!written) return written;
+  return sync_folder(file.parent_path());
+}
+
+std::int64_t changed_ns(const struct stat& status) {
+  return status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec;
+}
+
+}  // namespace
+
+bool TokenFolder::exists() const {
+  struct stat status {};
+  return ::stat(folder_.c_str(), &status) == 0;
+}
+
+std::filesystem::path TokenFolder::file_of(std::string_view prefix) const {
+  return folder_ / (std::string(prefix) + ".json");
+}
+
+api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes& scopes, std::int64_t now_ms,
+                                             std::optional<std::int64_t> expires_ms) {
+  if (!is_token_name(name))
+    return api::Error{api::Fault::invalid_request,
+                      "a token's name has 1 to 64 letters, digits, '.', '_' and '-'"};
+  std::error_code error;
+  std::filesystem::create_directories(folder_.parent_path(), error);
+  if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) return file_error(folder_.string(), errno);
+  const auto others = list();
+  if (!others) return others.error();
+  if (others->size() >= kTokensMax)
+    return api::Error{api::Fault::out_of_resources, "there are " + std::to_string(kTokensMax) + " tokens"};
+  for (const Token& other : *others)
+    if (other.name == name)
+      return api::Error{api::Fault::wrong_state, "there is a token '" + other.name + "'; revoke it first"};
+  auto text = new_token_text();
+  if (!text) return text;
+  const Token token{std::string(name), *prefix_of(*text), sha256_of(*text), scopes, now_ms, expires_ms};
+  if (const api::Status written = write_new_file(file_of(token.prefix), json_of(token)); !written)
+    return written.error();
+  if (const api::Status synced = sync_folder(folder_.parent_path()); !synced) return synced.error();
+  return text;
+}
+
+api::Result<std::vector<Token>> TokenFolder::list() const {
+  std::vector<Token> tokens;
+  if (!exists()) return tokens;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error))
+    if (at->path().extension() == ".json")
+      if (auto token = read(at->path().stem().string())) tokens.push_back(std::move(*token));
+  if (error) return file_error(folder_.string(), error.value());
+  std::sort(tokens.begin(), tokens.end(), [](const Token& a, const Token& b) { return a.name < b.name; });
+  return tokens;
+}
+
+api::Status TokenFolder::revoke(std::string_view name) {
+  const auto tokens = list();
+  if (!tokens) return tokens.error();
+  for (const Token& token : *tokens) {
+    if (token.name != name && token.prefix != name) continue;
+    if (::unlink(file_of(token.prefix).c_str()) != 0)
+      return file_error(file_of(token.prefix).string(), errno);
+    return sync_folder(folder_);
+  }
+  return api::Error{api::Fault::not_found, "there is no token '" + std::string(name) + "'"};
+}
+
+std::optional<Token> TokenFolder::read(const std::string& prefix) const {
+  const auto bytes = read_below(folder_, prefix + ".json", kFileBytesMax);
+  if (!bytes) return std::nullopt;
+  auto token = parse_token(*bytes);
+  if (!token || token->prefix != prefix) return std::nullopt;
+  return token;
+}
+
+std::optional<Token> TokenFolder::find(std::string_view text, std::int64_t now_ms) {
+  const auto prefix = prefix_of(text);
+  if (!prefix) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  struct stat status {};
+  const bool there = ::stat(file_of(*prefix).c_str(), &status) == 0;
+  auto known = known_.find(*prefix);
+  if (known != known_.end() &&
+      (!there || known->second.changed_ns != changed_ns(status) || known->second.inode != status.st_ino)) {
+    known_.erase(known);
+    known = known_.end();
+  }
+  if (!there) return std::nullopt;
+  if (known == known_.end()) {
+    auto token = read(*prefix);
+    if (!token) return std::nullopt;
+    known = known_.emplace(*prefix, Known{std::move(*token), changed_ns(status), status.st_ino}).first;
+  }
+  const Token& token = known->second.token;
+  if (!equal_in_constant_time(sha256_of(text), token.sha256)) return std::nullopt;
+  if (token.expires_ms && now_ms >= *token.expires_ms) return std::nullopt;
+  return token;
+}
+
+}  // namespace server

@@ -1,0 +1,69 @@
+// The tokens, one small file each: DATA/tokens/<prefix>.json. Files rather than rows, so that the command
+// line can make and revoke tokens whether or not a server runs, without a second connection that writes to
+// the database; a server sees the change at the next request.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/result.h"
+#include "server/auth/scopes.h"
+
+namespace server {
+
+inline constexpr std::size_t kTokensMax = 1000;
+
+/// What is kept of a token; its secret is not.
+struct Token {
+  std::string name;    ///< unique; whose jobs are whose
+  std::string prefix;  ///< of the text, and the name of the file
+  std::string sha256;  ///< of the whole text, lower-case hexadecimal
+  Scopes scopes;
+  std::int64_t created_ms = 0;
+  std::optional<std::int64_t> expires_ms;  ///< not valid from then on; none: never
+};
+
+/// Safe for use by several threads, and by several processes.
+class TokenFolder {
+ public:
+  /// `data` is the data folder; nothing is made there before the first token.
+  explicit TokenFolder(const std::filesystem::path& data) : folder_(data / "tokens") {}
+
+  /// Has there ever been a token? From then on the service asks for one.
+  bool exists() const;
+
+  /// -> the token's text, which nobody can learn later. Errors: invalid_request for a name that is none
+  /// ([A-Za-z0-9._-], 1 to 64), wrong_state where the name is taken, out_of_resources, disk_full, internal.
+  api::Result<std::string> create(std::string_view name, const Scopes& scopes, std::int64_t now_ms,
+                                  std::optional<std::int64_t> expires_ms);
+  /// By name. A file that cannot be read is left out.
+  api::Result<std::vector<Token>> list() const;
+  /// By name or prefix. Errors: not_found.
+  api::Status revoke(std::string_view name);
+
+  /// The token with this text, if it is one of ours and has not expired.
+  std::optional<Token> find(std::string_view text, std::int64_t now_ms);
+
+ private:
+  struct Known {
+    Token token;
+    std::int64_t changed_ns = 0;
+    std::uint64_t inode = 0;
+  };
+
+  std::filesystem::path file_of(std::string_view prefix) const;
+  std::optional<Token> read(const std::string& prefix) const;
+
+  std::filesystem::path folder_;
+  std::mutex mutex_;
+  std::map<std::string, Known, std::less<>> known_;  ///< read once, until the file changes
+};
+
+}  // namespace server

@@ -1,0 +1,65 @@
+#include "server/commands.h"
+
+#include <array>
+#include <iostream>
+
+namespace server {
+namespace {
+
+struct Command {
+  std::string_view name;
+  int (*run)(std::span<const std::string_view> words);
+};
+
+constexpr std::array kCommands{
+    Command{"token", run_token_command},
+};
+
+api::Error wrong(std::string message) {
+  return {api::Fault::invalid_request, std::move(message)};
+}
+
+}  // namespace
+
+std::optional<std::string> CommandWords::option(std::string_view name) const {
+  const auto found = options.find(name);
+  return found == options.end() ? std::nullopt : std::optional(found->second);
+}
+
+api::Result<CommandWords> take_apart(std::span<const std::string_view> words,
+                                     const std::set<std::string_view>& with_value,
+                                     const std::set<std::string_view>& flags) {
+  CommandWords found;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string word(words[i]);
+    if (!word.starts_with("--")) {
+      found.plain.push_back(word);
+      continue;
+    }
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    if (flags.contains(name) && equals == word.npos) {
+      found.options[name] = "";
+      continue;
+    }
+    if (name != "--data" && !with_value.contains(name)) return wrong("'" + word + "' is not an option here");
+    if (equals == word.npos && i + 1 == words.size()) return wrong(name + ": a value is missing");
+    found.options[name] = equals == word.npos ? std::string(words[++i]) : word.substr(equals + 1);
+  }
+  if (!found.has("--data")) return wrong("--data DIR is missing: the data folder of the service");
+  return found;
+}
+
+std::optional<int> run_command(std::span<const std::string_view> words) {
+  if (words.empty()) return std::nullopt;
+  for (const Command& command : kCommands)
+    if (words[0] == command.name) return command.run(words.subspan(1));
+  return std::nullopt;
+}
+
+int refuse_command(const api::Error& error, int exit_code) {
+  std::cerr << "keylume-server: " << error.message << "\n";
+  return exit_code;
+}
+
+}  // namespace server

@@ -1,0 +1,165 @@
+#include "server/http/gate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "server/http/origin.h"
+#include "server/http/problem.h"
+
+namespace server {
+namespace {
+
+constexpr std::string_view kCookie = "keylume_token";
+constexpr std::string_view kChallenge = "Bearer realm=\"keylume\"";
+constexpr std::int64_t kCookieSeconds = 7 * 24 * 3600;
+
+struct RouteScope {
+  std::string_view method;
+  std::string_view pattern;
+  std::optional<Scope> scope;
+};
+
+// What differs from the rule: reading asks for jobs:read, everything else for jobs:write.
+constexpr std::array kScopeOfRoute{
+    RouteScope{"GET", "/healthz", std::nullopt},
+    RouteScope{"GET", "/readyz", std::nullopt},
+    RouteScope{"GET", "/version", std::nullopt},
+    RouteScope{"GET", "/openapi.json", std::nullopt},
+    RouteScope{"GET", "/docs", std::nullopt},
+    RouteScope{"GET", "/v1/limits", std::nullopt},
+    RouteScope{"POST", "/v1/login", std::nullopt},
+    RouteScope{"POST", "/v1/logout", std::nullopt},
+    RouteScope{"GET", "/metrics", Scope::metrics_read},
+    RouteScope{"POST", "/v1/queue/pause", Scope::queue_admin},
+    RouteScope{"POST", "/v1/queue/resume", Scope::queue_admin},
+    RouteScope{"POST", "/v1/jobs/{id}/patches/series", Scope::jobs_read},
+};
+
+std::string_view trimmed(std::string_view text) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  return text;
+}
+
+std::optional<std::string> cookie_of(const HttpRequest& request) {
+  const auto header = request.header("Cookie");
+  if (!header) return std::nullopt;
+  std::string_view rest = *header;
+  while (!rest.empty()) {
+    const std::size_t end = rest.find(';');
+    const std::string_view pair = trimmed(rest.substr(0, end));
+    rest = end == rest.npos ? std::string_view() : rest.substr(end + 1);
+    const std::size_t equals = pair.find('=');
+    if (equals != pair.npos && pair.substr(0, equals) == kCookie) return std::string(pair.substr(equals + 1));
+  }
+  return std::nullopt;
+}
+
+HttpAnswer not_known(const HttpRequest& request, bool brought_one) {
+  HttpAnswer answer =
+      brought_one ? problem(401, "the token is not known, has expired or was revoked", request.path)
+                  : problem(401, "a token is needed: send it as Authorization: Bearer kl_...", request.path);
+  answer.headers.emplace_back("WWW-Authenticate",
+                              std::string(kChallenge) + (brought_one ? ", error=\"invalid_token\"" : ""));
+  return answer;
+}
+
+HttpAnswer not_allowed(const HttpRequest& request, Scope scope) {
+  HttpAnswer answer =
+      problem(403, "the token '" + request.owner + "' has not the scope " + std::string(name_of(scope)),
+              request.path);
+  answer.headers.emplace_back("WWW-Authenticate", std::string(kChallenge) +
+                                                      ", error=\"insufficient_scope\", scope=\"" +
+                                                      std::string(name_of(scope)) + "\"");
+  return answer;
+}
+
+}  // namespace
+
+std::optional<Scope> scope_of(const Route* route) {
+  if (!route) return Scope::jobs_read;
+  for (const RouteScope& known : kScopeOfRoute)
+    if (known.method == route->method && known.pattern == route->pattern) return known.scope;
+  return route->method == "GET" ? Scope::jobs_read : Scope::jobs_write;
+}
+
+std::optional<BroughtToken> token_of(const HttpRequest& request) {
+  constexpr std::string_view kBearer = "Bearer ";
+  if (const auto header = request.header("Authorization")) {
+    if (!header->starts_with(kBearer)) return BroughtToken{};
+    return BroughtToken{std::string(trimmed(std::string_view(*header).substr(kBearer.size())))};
+  }
+  if (auto cookie = cookie_of(request)) return BroughtToken{std::move(*cookie), true};
+  return std::nullopt;
+}
+
+std::string login_cookie(std::string_view token_text, bool over_tls) {
+  return std::string(kCookie) + "=" + std::string(token_text) +
+         "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" +
+         std::to_string(token_text.empty() ? 0 : kCookieSeconds) + (over_tls ? "; Secure" : "");
+}
+
+Gate::Gate(TokenFolder& tokens, GateRules rules, Clock clock)
+    : tokens_(tokens), rules_(std::move(rules)), clock_(std::move(clock)), limiter_(rules_.rate) {}
+
+bool Gate::asks_for_tokens() {
+  if (rules_.tokens_required || tokens_seen_) return true;
+  // From the first token on; revoking the last one must not open the door again.
+  if (tokens_.exists()) tokens_seen_ = true;
+  return tokens_seen_;
+}
+
+bool Gate::from_proxy(const HttpRequest& request) const {
+  return std::find(rules_.proxies.begin(), rules_.proxies.end(), request.address) != rules_.proxies.end();
+}
+
+std::optional<HttpAnswer> Gate::refuse_too_often(
+    const HttpRequest& request, std::string_view who,
+    std::vector<std::pair<std::string, std::string>>& more_headers) {
+  if (!limiter_.on()) return std::nullopt;
+  const RateLimiter::Answer answer = limiter_.ask(who);
+  const auto window =
+      static_cast<std::size_t>(std::ceil(limiter_.rules().burst / limiter_.rules().per_second));
+  more_headers.emplace_back(
+      "RateLimit-Policy",
+      "\"default\";q=" + std::to_string(static_cast<std::size_t>(limiter_.rules().burst)) +
+          ";w=" + std::to_string(window));
+  more_headers.emplace_back("RateLimit", "\"default\";r=" + std::to_string(answer.remaining) +
+                                             ";t=" + std::to_string(answer.wait_seconds));
+  if (answer.allowed) return std::nullopt;
+  HttpAnswer refusal = problem(429, "too many requests; wait as long as Retry-After says", request.path);
+  // Sooner, mostly, than a problem of this status says by itself.
+  std::erase_if(refusal.headers, [](const auto& header) { return header.first == "Retry-After"; });
+  refusal.headers.emplace_back("Retry-After", std::to_string(std::max<std::size_t>(answer.wait_seconds, 1)));
+  return refusal;
+}
+
+std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
+                                       std::vector<std::pair<std::string, std::string>>& more_headers) {
+  if (auto stranger = refuse_stranger(request, rules_.this_machine_only)) return stranger;
+  request.over_tls = false;
+  if (from_proxy(request)) {
+    request.over_tls = request.header("X-Forwarded-Proto") == "https";
+    // The last entry is the proxy's own word; those before it came from the client.
+    if (const auto forwarded = request.header("X-Forwarded-For"))
+      request.address = trimmed(std::string_view(*forwarded).substr(forwarded->rfind(',') + 1));
+  }
+  const std::optional<Scope> wanted = scope_of(route);
+  const auto brought = token_of(request);
+  const auto token = brought ? tokens_.find(brought->text, clock_()) : std::nullopt;
+  if (token) request.owner = token->name;
+  if (auto often = refuse_too_often(request, token ? token->prefix : "from " + request.address, more_headers))
+    return often;
+  if (!wanted || !asks_for_tokens()) return std::nullopt;
+  if (!token) return not_known(request, brought.has_value());
+  const bool writes = request.method != "GET" && request.method != "HEAD";
+  // Browsers send the cookie with whatever page asks; that it is ours must be said, not just not denied.
+  if (brought->by_cookie && writes && !request.header("Origin"))
+    return problem(403, "a request with the login's cookie that changes something needs its Origin",
+                   request.path);
+  if (!token->scopes.has(*wanted)) return not_allowed(request, *wanted);
+  return std::nullopt;
+}
+
+}  // namespace server

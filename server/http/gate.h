@@ -1,0 +1,67 @@
+// Who is let in, before anything else looks at a request.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/auth/rate_limiter.h"
+#include "server/auth/token_folder.h"
+#include "server/http/message.h"
+#include "server/http/router.h"
+
+namespace server {
+
+struct GateRules {
+  bool this_machine_only = true;     ///< we listen on loopback: see refuse_stranger
+  bool tokens_required = false;      ///< also before there has ever been one
+  std::vector<std::string> proxies;  ///< addresses whose X-Forwarded-* headers are believed
+  RateRules rate;
+};
+
+/// Safe for use by several threads.
+class Gate {
+ public:
+  using Clock = std::function<std::int64_t()>;
+
+  /// `tokens` must outlive it. `clock`: milliseconds since 1970.
+  Gate(TokenFolder& tokens, GateRules rules, Clock clock);
+
+  /// The refusal, in this order: 421 and 403 for what a browser does on another's behalf, 401 without a token
+  /// where one is asked for, 429 too often, 403 without the scope. None: come in; request.owner and
+  /// request.address are set. `more_headers`: for the answer, whichever it will be.
+  std::optional<HttpAnswer> refuse(HttpRequest& request, const Route* route,
+                                   std::vector<std::pair<std::string, std::string>>& more_headers);
+
+ private:
+  bool asks_for_tokens();
+  bool from_proxy(const HttpRequest& request) const;
+  std::optional<HttpAnswer> refuse_too_often(const HttpRequest& request, std::string_view who,
+                                             std::vector<std::pair<std::string, std::string>>& more_headers);
+
+  TokenFolder& tokens_;
+  const GateRules rules_;
+  const Clock clock_;
+  RateLimiter limiter_;
+  std::atomic<bool> tokens_seen_ = false;
+};
+
+/// The scope that a route asks for; none: everybody may. A path without a route asks for jobs:read, so that
+/// strangers do not learn which paths there are.
+std::optional<Scope> scope_of(const Route* route);
+
+/// The token that a request brings, by header or cookie; none: it brings none.
+struct BroughtToken {
+  std::string text;
+  bool by_cookie = false;
+};
+std::optional<BroughtToken> token_of(const HttpRequest& request);
+
+/// The cookie of the login; an empty text ends it.
+std::string login_cookie(std::string_view token_text, bool over_tls);
+
+}  // namespace server

@@ -1,0 +1,110 @@
+// keylume-server token create|list|revoke
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <ctime>
+#include <iostream>
+
+#include "server/artefacts/files.h"
+#include "server/auth/token_folder.h"
+#include "server/commands.h"
+#include "server/store/job_store.h"
+
+namespace server {
+namespace {
+
+constexpr std::int64_t kDaysMax = 36'500;
+constexpr std::int64_t kDayMs = 24 * 3600 * 1000;
+
+api::Error wrong(std::string message) {
+  return {api::Fault::invalid_request, std::move(message)};
+}
+
+std::string day_of(std::int64_t time_ms) {
+  const auto seconds = static_cast<std::time_t>(time_ms / 1000);
+  std::tm parts{};
+  ::gmtime_r(&seconds, &parts);
+  std::array<char, 20> text{};
+  (void)std::strftime(text.data(), text.size(), "%Y-%m-%d", &parts);
+  return text.data();
+}
+
+api::Result<std::optional<std::int64_t>> expiry_of(const CommandWords& words, std::int64_t now_ms) {
+  const auto text = words.option("--expires-days");
+  if (!text) return std::optional<std::int64_t>();
+  std::int64_t days = 0;
+  const auto parsed = std::from_chars(text->data(), text->data() + text->size(), days);
+  if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size() || days < 1 || days > kDaysMax)
+    return wrong("--expires-days: must be a whole number from 1 to " + std::to_string(kDaysMax));
+  return std::optional(now_ms + days * kDayMs);
+}
+
+/// For nobody but its owner to read; never over another file.
+api::Status write_secret(const std::string& path, const std::string& text) {
+  FileHandle file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file) return file_error(path, errno);
+  return write_all(file, text + "\n");
+}
+
+int create(TokenFolder& tokens, const CommandWords& words) {
+  if (words.plain.size() != 2)
+    return refuse_command(wrong("token create: a name is needed, and one only"), kExitUsage);
+  if (words.has("--if-none")) {
+    const auto known = tokens.list();
+    if (!known) return refuse_command(known.error(), kExitFailed);
+    if (!known->empty()) return 0;
+  }
+  const auto scopes = parse_scopes(words.option("--scopes").value_or("jobs:read,jobs:write"));
+  if (!scopes) return refuse_command(scopes.error(), kExitUsage);
+  const std::int64_t now = system_clock_ms();
+  const auto expires = expiry_of(words, now);
+  if (!expires) return refuse_command(expires.error(), kExitUsage);
+  const auto text = tokens.create(words.plain[1], *scopes, now, *expires);
+  if (!text) return refuse_command(text.error(), kExitFailed);
+  if (const auto out = words.option("--out"))
+    if (const api::Status written = write_secret(*out, *text); !written) {
+      (void)tokens.revoke(words.plain[1]);  // nobody would know it
+      return refuse_command(written.error(), kExitFailed);
+    }
+  std::cout << *text << std::endl;
+  std::cerr << "This is the only time that it is shown. From now on requests need a token.\n";
+  return 0;
+}
+
+int list(const TokenFolder& tokens) {
+  const auto known = tokens.list();
+  if (!known) return refuse_command(known.error(), kExitFailed);
+  for (const Token& token : *known)
+    std::cout << token.name << "\tkl_" << token.prefix << "_...\t" << text_of(token.scopes) << "\tmade "
+              << day_of(token.created_ms) << "\t"
+              << (token.expires_ms ? "expires " + day_of(*token.expires_ms) : std::string("does not expire"))
+              << "\n";
+  return 0;
+}
+
+int revoke(TokenFolder& tokens, const CommandWords& words) {
+  if (words.plain.size() != 2)
+    return refuse_command(wrong("token revoke: a name is needed, and one only"), kExitUsage);
+  if (const api::Status revoked = tokens.revoke(words.plain[1]); !revoked)
+    return refuse_command(revoked.error(), kExitFailed);
+  return 0;
+}
+
+}  // namespace
+
+int run_token_command(std::span<const std::string_view> given) {
+  const auto words = take_apart(given, {"--scopes", "--expires-days", "--out"}, {"--if-none"});
+  if (!words) return refuse_command(words.error(), kExitUsage);
+  TokenFolder tokens(*words->option("--data"));
+  const std::string action = words->plain.empty() ? "" : words->plain[0];
+  if (action == "create") return create(tokens, *words);
+  if (action == "list") return list(tokens);
+  if (action == "revoke") return revoke(tokens, *words);
+  return refuse_command(wrong("token: create, list or revoke?"), kExitUsage);
+}
+
+}  // namespace server
