@@ -18,7 +18,8 @@ struct ImageOptions {
   std::uint32_t height = 360;  ///< [pixels] 1 .. 8192
   bool png = true;             ///< tone-mapped, sRGB, 8 bits
   bool exr = false;            ///< linear radiance, half floats  [W sr^-1 m^-2]
-  /// PNG only: radiance is multiplied by 2^exposure_stops. Not given in the JSON: chosen once for the
+  bool jpg = false;            ///< the same as JPEG of quality 90, colours at full resolution
+  /// PNG and JPEG only: radiance is multiplied by 2^exposure_stops. Not given in the JSON: chosen once for the
   /// whole sequence from its mean radiosity, so that it does not flicker.  -32 .. 32
   double exposure_stops = 0;
   bool auto_exposure = true;

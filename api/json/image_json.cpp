@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array kToneMaps{Named<ToneMap>{"filmic", ToneMap::filmic},
                                Named<ToneMap>{"clip", ToneMap::clip}};
-constexpr std::array<std::string_view, 2> kFormats{"png", "exr"};
+constexpr std::array<std::string_view, 3> kFormats{"png", "exr", "jpg"};
 
 constexpr Range kStops{-32, 32};
 constexpr std::size_t kAnyNameBytes = 1u << 10;
@@ -27,6 +27,7 @@ void read_formats(const Node& node, ImageOptions& image) {
   }
   image.png = wanted[0];
   image.exr = wanted[1];
+  image.jpg = wanted[2];
 }
 
 void read_exposure(const Node& node, ImageOptions& image) {
@@ -41,6 +42,27 @@ void read_exposure(const Node& node, ImageOptions& image) {
   image.exposure_stops = *stops;
 }
 
+ImageOptions read_image(const Node& node, const std::map<std::string, Camera>& cameras) {
+  ImageOptions image;
+  if (!is_object_of(
+          node, {"camera", "width", "height", "formats", "exposure_stops", "tone_map", "samples_per_pixel"}))
+    return image;
+  if (const auto camera = required(node, "camera")) read_camera_name(*camera, cameras, image);
+  read_image_fields(node, image);
+  return image;
+}
+
+}  // namespace
+
+void read_image_fields(const Node& node, ImageOptions& image) {
+  take_whole(node, "width", 1, 8192, image.width);
+  take_whole(node, "height", 1, 8192, image.height);
+  if (const auto formats = member(node, "formats")) read_formats(*formats, image);
+  if (const auto exposure = member(node, "exposure_stops")) read_exposure(*exposure, image);
+  take_named(node, "tone_map", kToneMaps, image.tone_map);
+  take_whole(node, "samples_per_pixel", 1, 64, image.samples_per_pixel);
+}
+
 void read_camera_name(const Node& node, const std::map<std::string, Camera>& cameras, ImageOptions& image) {
   const auto name = text(node, kAnyNameBytes);
   if (!name) return;
@@ -52,23 +74,6 @@ void read_camera_name(const Node& node, const std::map<std::string, Camera>& cam
                 cameras.empty() ? "names a camera, but the job has none"
                                 : "is not a camera of this job" + suggestion(*name, names));
 }
-
-ImageOptions read_image(const Node& node, const std::map<std::string, Camera>& cameras) {
-  ImageOptions image;
-  if (!is_object_of(
-          node, {"camera", "width", "height", "formats", "exposure_stops", "tone_map", "samples_per_pixel"}))
-    return image;
-  if (const auto camera = required(node, "camera")) read_camera_name(*camera, cameras, image);
-  take_whole(node, "width", 1, 8192, image.width);
-  take_whole(node, "height", 1, 8192, image.height);
-  if (const auto formats = member(node, "formats")) read_formats(*formats, image);
-  if (const auto exposure = member(node, "exposure_stops")) read_exposure(*exposure, image);
-  take_named(node, "tone_map", kToneMaps, image.tone_map);
-  take_whole(node, "samples_per_pixel", 1, 64, image.samples_per_pixel);
-  return image;
-}
-
-}  // namespace
 
 std::vector<ImageOptions> read_images(const Node& node, const std::map<std::string, Camera>& cameras) {
   std::vector<ImageOptions> images;

@@ -31,6 +31,9 @@ MaterialSettings read_material(const Node& node, FrameIndex frame_count);
 LightSource read_light(const Node& node, FrameIndex frame_count);
 Camera read_camera(const Node& node, FrameIndex frame_count);
 LightingOptions read_lighting(const Node& node);
+/// Size, formats, exposure, tone map, samples: all but the camera.
+void read_image_fields(const Node& node, ImageOptions& image);
+void read_camera_name(const Node& node, const std::map<std::string, Camera>& cameras, ImageOptions& image);
 std::vector<ImageOptions> read_images(const Node& node, const std::map<std::string, Camera>& cameras);
 
 }  // namespace api

@@ -7,12 +7,14 @@
 #include <limits>
 #include <mutex>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "engine/base/durable_file.h"
 #include "engine/base/parallel.h"
 #include "engine/image/image_files.h"
 #include "engine/image/image_rows.h"
+#include "engine/image/jpeg_bytes.h"
 #include "engine/image/png_bytes.h"
 #include "engine/image/render_frame.h"
 #include "engine/image/shading_mesh.h"
@@ -47,6 +49,7 @@ struct Sequence {
   const api::ImageOptions& options;
   const std::filesystem::path& folder;
   const Progress& progress;
+  std::span<const FrameIndex> frames;  ///< that are rendered; the columns of the radiosity
   ShadedScene stage;
   DisplayTable display;
   Uncovered uncovered;
@@ -82,7 +85,7 @@ LaneValues unlimited_lanes(std::span<const NodeValues> frames) {
 struct Group {
   std::vector<FrameIndex> frames;
   std::vector<NodeValues> node_values_w_m2;  ///< [frame of the group]
-  std::vector<ScreenImage> screen;           ///< where PNG is wanted
+  std::vector<ScreenImage> screen;           ///< where PNG or JPEG is wanted
   std::vector<Image> radiance;               ///< where EXR is wanted
 };
 
@@ -114,7 +117,7 @@ bool render(const Sequence& sequence, Group& group) {
   }
   LaneValues limited, unlimited;
   std::vector<ShadedRows> shaded;
-  if (options.png) {
+  if (options.png || options.jpg) {
     limited = limited_lanes(sequence, group.node_values_w_m2);
     group.screen.assign(views.size(), ScreenImage(options.width, options.height));
     shaded.push_back({limited, [&](std::uint32_t y, std::span<const float> radiance) {
@@ -145,18 +148,22 @@ api::Status write(const Sequence& sequence, const Group& group, std::size_t k) {
     const auto done = publish(sequence, file_name(frame, "png"), png_bytes(group.screen[k]));
     if (!done) return done;
   }
+  if (sequence.options.jpg) {
+    const auto done = publish(sequence, file_name(frame, "jpg"), jpeg_bytes(group.screen[k]));
+    if (!done) return done;
+  }
   if (sequence.options.exr)
     return publish(sequence, file_name(frame, "exr"), encode_exr(group.radiance[k], stop));
   return api::Done{};
 }
 
-/// Of the frames from `first` on those that are not finished.
-std::vector<Group> groups_of(FrameIndex first, std::span<const std::vector<Rgb>> values,
-                             const std::vector<char>& finished) {
+/// Of `frames` those that are not `finished`.
+std::vector<Group> groups_of(std::span<const FrameIndex> frames, std::span<const std::vector<Rgb>> values,
+                             std::span<const char> finished) {
   std::vector<Group> groups;
   for (std::size_t k = 0; k < values.size(); ++k) {
-    const auto frame = static_cast<FrameIndex>(first + k);
-    if (finished[frame]) continue;
+    const FrameIndex frame = frames[k];
+    if (finished[k]) continue;
     if (groups.empty() || groups.back().frames.size() == kLanes) groups.emplace_back();
     groups.back().frames.push_back(frame);
     groups.back().node_values_w_m2.push_back(values[k]);
@@ -186,26 +193,28 @@ std::uint32_t block_frames(const Sequence& sequence) {
   return static_cast<std::uint32_t>(std::clamp<std::size_t>(kBlockBytesMax / bytes, 1, kBlockFramesMax));
 }
 
-/// Which frames have all their files.
+/// Which of `frames` have all their files.
 std::vector<char> finished_frames(const api::ImageOptions& options, const std::filesystem::path& folder,
-                                  FrameIndex frame_count) {
+                                  std::span<const FrameIndex> frames) {
   const auto is_there = [&](FrameIndex frame, const char* extension) {
     std::error_code unknown;
     return std::filesystem::is_regular_file(
         std::filesystem::symlink_status(folder / file_name(frame, extension), unknown));
   };
-  std::vector<char> finished(frame_count);
-  for (FrameIndex frame = 0; frame < frame_count; ++frame)
-    finished[frame] = (!options.png || is_there(frame, "png")) && (!options.exr || is_there(frame, "exr"));
+  std::vector<char> finished;
+  for (const FrameIndex frame : frames)
+    finished.push_back((!options.png || is_there(frame, "png")) && (!options.jpg || is_there(frame, "jpg")) &&
+                       (!options.exr || is_there(frame, "exr")));
   return finished;
 }
 
-bool values_of_nodes(const Sequence& sequence, const PatchSeries& radiosity_w_m2, FrameIndex first,
+bool values_of_nodes(const Sequence& sequence, const PatchSeries& radiosity_w_m2, std::uint32_t first,
                      std::span<std::vector<Rgb>> values) {
   const ShadedScene& stage = sequence.stage;
   const auto& stop = sequence.progress.stop_requested;
   if (stage.textures)
-    return textured_node_values(*stage.textures, sequence.uncovered, radiosity_w_m2, first, stop, values);
+    return textured_node_values(*stage.textures, sequence.uncovered, radiosity_w_m2, first,
+                                sequence.frames.subspan(first, values.size()), stop, values);
   if (!node_radiosity(stage.mesh, stage.patches, radiosity_w_m2, first, stop, values)) return false;
   show_uncovered(
       sequence.uncovered, stage.mesh, stage.patches, radiosity_w_m2, first,
@@ -220,18 +229,18 @@ bool values_of_nodes(const Sequence& sequence, const PatchSeries& radiosity_w_m2
 /// together, since the frames of a patch lie side by side.
 api::Status render_all(const Sequence& sequence, const PatchSeries& radiosity_w_m2,
                        const std::vector<char>& finished) {
-  const FrameIndex frame_count = sequence.animation.frame_count;
+  const auto frame_count = static_cast<std::uint32_t>(sequence.frames.size());
   std::vector<std::vector<Rgb>> node_values(std::min(block_frames(sequence), frame_count));
   std::mutex mutex;
-  auto done_count = static_cast<FrameIndex>(std::count(finished.begin(), finished.end(), 1));
-  for (FrameIndex first = 0; first < frame_count; first += static_cast<FrameIndex>(node_values.size())) {
+  auto done_count = static_cast<std::uint32_t>(std::count(finished.begin(), finished.end(), 1));
+  for (std::uint32_t first = 0; first < frame_count;
+       first += static_cast<std::uint32_t>(node_values.size())) {
     const auto count = std::min<std::size_t>(node_values.size(), frame_count - first);
     const std::span values(node_values.data(), count);
-    const auto block = finished.begin() + first;
-    if (std::all_of(block, block + static_cast<std::ptrdiff_t>(count), [](char done) { return done; }))
-      continue;
+    const std::span block(finished.data() + first, count);
+    if (std::all_of(block.begin(), block.end(), [](char done) { return done; })) continue;
     if (!values_of_nodes(sequence, radiosity_w_m2, first, values)) return stopped();
-    std::vector<Group> groups = groups_of(first, values, finished);
+    std::vector<Group> groups = groups_of(sequence.frames.subspan(first, count), values, block);
     std::vector<std::optional<api::Error>> errors(groups.size());
     parallel_for(groups.size(), [&](std::size_t g) {
       const api::Status status = render_and_write(sequence, groups[g], [&] {
@@ -247,13 +256,20 @@ api::Status render_all(const Sequence& sequence, const PatchSeries& radiosity_w_
   return api::Done{};
 }
 
-std::vector<std::string> file_names(const api::ImageOptions& options, FrameIndex frame_count) {
+std::vector<std::string> file_names(const api::ImageOptions& options, std::span<const FrameIndex> frames) {
   std::vector<std::string> names;
-  for (FrameIndex frame = 0; frame < frame_count; ++frame) {
+  for (const FrameIndex frame : frames) {
     if (options.png) names.push_back(file_name(frame, "png"));
+    if (options.jpg) names.push_back(file_name(frame, "jpg"));
     if (options.exr) names.push_back(file_name(frame, "exr"));
   }
   return names;
+}
+
+double exposure_factor(const api::ImageOptions& options, const ImageWork& work, const Patches& patches,
+                       const Animation& animation, const PatchSeries& radiosity_w_m2) {
+  if (!options.auto_exposure) return std::exp2(options.exposure_stops);
+  return work.auto_exposure ? *work.auto_exposure : auto_exposure_factor(patches, animation, radiosity_w_m2);
 }
 
 }  // namespace
@@ -263,12 +279,12 @@ api::Result<std::vector<std::string>> render_images(const Scene& scene, const Pa
                                                     const PatchSeries& radiosity_w_m2,
                                                     const api::ImageOptions& options,
                                                     const std::filesystem::path& folder,
-                                                    const Progress& progress, bool keep_finished) {
+                                                    const Progress& progress, const ImageWork& work) {
   const auto camera = animation.cameras.find(options.camera);
   if (camera == animation.cameras.end())
     return api::Error{api::Fault::invalid_request, "no camera '" + options.camera + "'"};
-  const double factor = options.auto_exposure ? auto_exposure_factor(patches, animation, radiosity_w_m2)
-                                              : std::exp2(options.exposure_stops);
+  const std::vector<FrameIndex> frames = work.frames.empty() ? every_frame(animation) : work.frames;
+  const double factor = exposure_factor(options, work, patches, animation, radiosity_w_m2);
   const ShadingMesh mesh = build_shading_mesh(patches, corner_normals(scene, patches));
   const auto textures = make_textured_view(scene, animation, patches, mesh);
   Sequence sequence{animation,
@@ -276,25 +292,28 @@ api::Result<std::vector<std::string>> render_images(const Scene& scene, const Pa
                     options,
                     folder,
                     progress,
+                    frames,
                     {patches, mesh, static_rays, textures.get()},
                     DisplayTable(options.tone_map, factor),
                     find_uncovered(patches, animation, static_rays, mesh)};
-  if (animation.frame_count > 1 && stands_still(sequence.poses))
+  if (frames.size() > 1 && stands_still(sequence.poses))
     sequence.static_view =
         see_static(sequence.stage, pinhole_camera(sequence.poses[0], options.width, options.height),
                    options.samples_per_pixel, kStaticViewBytesMax, progress.stop_requested);
   if (progress.stop_requested()) return api::Error{api::Fault::stopped, "stopped before the first image"};
 
-  std::vector<char> finished(animation.frame_count, 0);
-  if (keep_finished) finished = finished_frames(options, folder, animation.frame_count);
+  std::vector<char> finished(frames.size(), 0);
+  if (work.keep_finished) finished = finished_frames(options, folder, frames);
   if (auto done = render_all(sequence, radiosity_w_m2, finished); !done) return done.error();
   if (auto synced = sync_folder(folder); !synced) return synced.error();
-  return file_names(options, animation.frame_count);
+  return file_names(options, frames);
 }
 
 std::uint32_t count_finished_images(const api::ImageOptions& options, const std::filesystem::path& folder,
                                     FrameIndex frame_count) {
-  const std::vector<char> finished = finished_frames(options, folder, frame_count);
+  std::vector<FrameIndex> frames(frame_count);
+  std::iota(frames.begin(), frames.end(), 0u);
+  const std::vector<char> finished = finished_frames(options, folder, frames);
   return static_cast<std::uint32_t>(std::count(finished.begin(), finished.end(), 1));
 }
 

@@ -35,10 +35,11 @@ PatchSeries weights(const TexturedView& view) {
 
 /// w (B - E) / rho of the patches that show a texture, B elsewhere.
 PatchSeries weighted_irradiance(const TexturedView& view, const PatchSeries& radiosity_w_m2,
-                                std::uint32_t first_frame, std::uint32_t frame_count) {
+                                std::uint32_t first_column, std::span<const FrameIndex> frames) {
+  const auto frame_count = static_cast<std::uint32_t>(frames.size());
   PatchSeries series(radiosity_w_m2.patch_count, frame_count);
   for (PatchId patch = 0; patch < series.patch_count; ++patch) {
-    const Rgb* from = radiosity_w_m2.row(patch) + first_frame;
+    const Rgb* from = radiosity_w_m2.row(patch) + first_column;
     std::copy_n(from, frame_count, series.row(patch));
     const std::uint32_t facet = view.patches.facet_of[patch];
     if (!view.is_textured(facet)) continue;
@@ -46,8 +47,7 @@ PatchSeries weighted_irradiance(const TexturedView& view, const PatchSeries& rad
     const bool is_back = view.patches.is_back(patch);
     for (std::uint32_t f = 0; f < frame_count; ++f) {
       const Rgb exitance =
-          is_back ? Rgb{}
-                  : view.animation.emission.exitance(view.patches.facets[facet].material, first_frame + f);
+          is_back ? Rgb{} : view.animation.emission.exitance(view.patches.facets[facet].material, frames[f]);
       series.at(patch, f) = divided(at_least(series.at(patch, f) - exitance, 0), divisor);
     }
   }
@@ -105,11 +105,11 @@ std::unique_ptr<TexturedView> make_textured_view(const Scene& scene, const Anima
 }
 
 bool textured_node_values(const TexturedView& view, const Uncovered& uncovered,
-                          const PatchSeries& radiosity_w_m2, std::uint32_t first_frame,
-                          const std::function<bool()>& stop_requested,
+                          const PatchSeries& radiosity_w_m2, std::uint32_t first_column,
+                          std::span<const FrameIndex> frames, const std::function<bool()>& stop_requested,
                           std::span<std::vector<Rgb>> values_w_m2) {
   const auto count = static_cast<std::uint32_t>(values_w_m2.size());
-  const PatchSeries block = weighted_irradiance(view, radiosity_w_m2, first_frame, count);
+  const PatchSeries block = weighted_irradiance(view, radiosity_w_m2, first_column, frames);
   if (!node_radiosity(view.mesh, view.patches, block, 0, stop_requested, values_w_m2)) return false;
   const auto irradiance = [](float sum, float weight) { return weight > 0 ? sum / weight : 0; };
   for (std::uint32_t f = 0; f < count; ++f) {
@@ -126,7 +126,7 @@ bool textured_node_values(const TexturedView& view, const Uncovered& uncovered,
     std::vector<Rgb>& values = values_w_m2[f];
     const auto& exitance = view.animation.emission.exitance_w_m2;
     for (std::uint32_t material = 0; material < exitance.size(); ++material)
-      values.push_back(view.animation.emission.exitance(material, first_frame + f));
+      values.push_back(view.animation.emission.exitance(material, frames[f]));
   }
   return true;
 }

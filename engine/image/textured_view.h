@@ -54,10 +54,11 @@ std::unique_ptr<TexturedView> make_textured_view(const Scene& scene, const Anima
 
 /// As node_radiosity() and, with `uncovered`, show_uncovered(), but H where nodes show irradiance, and after
 /// the nodes' values the exitance of each material, so that each values[k] has the size node_count + number
-/// of materials.  [W/m^2] radiosity_w_m2: of everything that `animation` lets emit.
+/// of materials.  [W/m^2] radiosity_w_m2: of everything that `animation` lets emit; its column
+/// first_column + k is that of the frame frames[k].
 bool textured_node_values(const TexturedView& view, const Uncovered& uncovered,
-                          const PatchSeries& radiosity_w_m2, std::uint32_t first_frame,
-                          const std::function<bool()>& stop_requested,
+                          const PatchSeries& radiosity_w_m2, std::uint32_t first_column,
+                          std::span<const FrameIndex> frames, const std::function<bool()>& stop_requested,
                           std::span<std::vector<Rgb>> values_w_m2);
 
 /// What a sample of the picture meets.

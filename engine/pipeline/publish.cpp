@@ -19,6 +19,7 @@ api::Status make_folder(const std::filesystem::path& folder) {
 }
 
 const char* media_type_of(const std::filesystem::path& file) {
+  if (file.extension() == ".jpg") return "image/jpeg";
   return file.extension() == ".exr" ? "image/x-exr" : "image/png";
 }
 
@@ -70,7 +71,7 @@ api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const Pat
     if (const auto made = make_folder(folder / within); !made) return made.error();
     const auto files =
         render_images(lit.scene, lit.patches, lit.animation, lit.static_rays, radiosity_w_m2, images[k],
-                      folder / within, part_of(progress, share(k), share(k + 1)), true);
+                      folder / within, part_of(progress, share(k), share(k + 1)), {.keep_finished = true});
     if (!files) return files.error();
     for (const std::string& file : *files)
       artefacts.push_back({(within / file).generic_string(), media_type_of(file)});

@@ -1,16 +1,13 @@
 #include "engine/pipeline/run_pipeline.h"
 
 #include "api/fault_point.h"
-#include "engine/animation/check_light_groups.h"
 #include "engine/base/parallel.h"
 #include "engine/image/texture_file.h"
 #include "engine/patches/texture_reflectance.h"
-#include "engine/pipeline/check_poses.h"
 #include "engine/pipeline/forecast.h"
 #include "engine/pipeline/job_fingerprint.h"
-#include "engine/pipeline/limits.h"
+#include "engine/pipeline/prepare_job.h"
 #include "engine/pipeline/publish.h"
-#include "engine/pipeline/refine_patches.h"
 #include "engine/pipeline/solve_sequence.h"
 #include "engine/pipeline/solved_checkpoint.h"
 #include "engine/pipeline/stage_clock.h"
@@ -18,40 +15,6 @@
 
 namespace engine {
 namespace {
-
-/// What a job is about, checked and not yet cut into patches.
-struct PreparedJob {
-  Scene scene;
-  Animation animation;
-  JobSize size;
-};
-
-void count_scene(const Scene& scene, const PatchCount& count, std::uint32_t frames, api::JobReport& report) {
-  if (count.dropped_facets > 0)
-    report.warnings.push_back(std::to_string(count.dropped_facets) +
-                              (count.dropped_facets == 1 ? " sliver" : " slivers") +
-                              " of polygons without an area left out");
-  report.counts.emplace_back("polygons", static_cast<double>(scene.polygons.size()));
-  report.counts.emplace_back("patches", static_cast<double>(count.patches));
-  report.counts.emplace_back("frames", frames);
-}
-
-/// All that can refuse a job, before anything that takes long or much memory.
-api::Result<PreparedJob> prepare(const api::JobRequest& request, const std::filesystem::path& input_folder,
-                                 const std::function<bool()>& stop_requested, api::JobReport& report) {
-  auto scene = load_scene(input_folder, request.scene, {}, read_texture, stop_requested);
-  if (!scene) return scene.error();
-  report.warnings = scene->warnings;
-  if (auto s = check_request_size(request, scene->objects.size()); !s) return s.error();
-  Animation animation = animate(*scene, request);
-  if (auto s = check_light_groups(*scene, animation, request, report.warnings); !s) return s.error();
-  if (auto s = check_poses(*scene, animation, report.warnings); !s) return s.error();
-  const auto meshes = check_mesh_size(request, *scene, animation);
-  if (!meshes) return meshes.error();
-  count_scene(*scene, meshes->fine, request.frame_count, report);
-  const JobSize size = size_of_job(request, *scene, animation, meshes->fine.patches, meshes->coarse_patches);
-  return PreparedJob{std::move(*scene), std::move(animation), size};
-}
 
 /// Fills the report's forecast, of the whole and of each stage.
 MachinePace forecast_job(const PreparedJob& job, unsigned threads, api::JobReport& report) {
@@ -73,22 +36,6 @@ void expect_forecast(StageClock& clock, const JobSize& size, const MachinePace& 
     known.solved_frames = solved_frames;
     return forecast_seconds(known, pace);
   });
-}
-
-/// As the layout says. Where it is `adaptive` the number of patches, of which only the most it can come to
-/// was known, is then told to `report` and in `size`.
-api::Result<Patches> cut_into_patches(const PreparedJob& job, const api::JobRequest& request,
-                                      const Progress& progress, JobSize& size, api::JobReport& report) {
-  if (request.lighting.patch_layout == api::PatchLayout::uniform)
-    return mesh_into_patches(job.scene, request.lighting.patch_edge_m);
-  const std::uint64_t budget = patch_budget(request, job.scene, job.animation);
-  auto refined = refine_patches(job.scene, job.animation, request.lighting, budget, progress);
-  if (!refined) return refined.error();
-  size.patches = refined->patches.count();
-  for (auto& [name, value] : report.counts)
-    if (name == "patches") value = size.patches;
-  report.counts.emplace_back("refinement_shadow_rays", static_cast<double>(refined->shadow_rays));
-  return std::move(refined->patches);
 }
 
 /// Where nothing is to be kept, or the inputs cannot be told apart: none.
@@ -124,7 +71,7 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
   StageClock clock(hooks, report);
   clock.begin(api::Stage::scene);
   Checkpoints checkpoints = open_checkpoints(hooks, input_folder);
-  const auto job = prepare(request, input_folder, hooks.stop_requested, report);
+  const auto job = prepare_job(request, input_folder, hooks.stop_requested, report);
   if (!job) return job.error();
   const MachinePace pace = forecast_job(*job, thread_count(), report);
   expect_forecast(clock, job->size, pace);
@@ -154,7 +101,7 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
 
 api::Status check_job(const api::JobRequest& request, const std::filesystem::path& input_folder,
                       unsigned threads, api::JobReport& report) {
-  const auto job = prepare(
+  const auto job = prepare_job(
       request, input_folder, [] { return false; }, report);
   if (!job) return job.error();
   (void)forecast_job(*job, threads, report);

@@ -135,6 +135,38 @@ api::Result<Command> parse_check(std::span<const std::string_view> words) {
   return Command{command};
 }
 
+/// It becomes the name of a folder.
+bool is_view_name(std::string_view name) {
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-';
+  });
+}
+
+api::Result<Command> parse_view(std::span<const std::string_view> words) {
+  ViewCommand command;
+  std::vector<std::string_view> others(words.begin(), words.end());
+  const auto sandbox = take_switch("--sandbox", others);
+  if (!sandbox) return sandbox.error();
+  command.sandbox = *sandbox;
+  const auto folder = parse_words(others, [&](const Word& word) -> api::Status {
+    if (word.name == "--memory-mb")
+      return take_number(word, kCheckMemoryMbMin, kCheckMemoryMbMax, command.memory_mb);
+    if (word.name == "--seconds") return take_number(word, 1, kCheckSecondsMax, command.seconds);
+    if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
+    if (word.name == "--parent") return take_process(word, command.parent);
+    if (word.name != "--name") return usage_error("unknown option " + std::string(word.name));
+    if (!is_view_name(word.value))
+      return usage_error("--name takes 1 to 64 letters, digits, '_' or '-', not '" + std::string(word.value) +
+                         "'");
+    command.name = word.value;
+    return api::Done{};
+  });
+  if (!folder) return folder.error();
+  if (command.name.empty()) return usage_error("--name is missing: which view");
+  command.job_folder = *folder;
+  return Command{command};
+}
+
 /// 2^53 - 1: what JSON carries without rounding.
 constexpr std::uint64_t kSeedMax = (std::uint64_t{1} << 53) - 1;
 
@@ -204,6 +236,7 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
   if (words.empty()) return usage_error("say what to do");
   if (words[0] == "render") return parse_render(words.subspan(1));
   if (words[0] == "check") return parse_check(words.subspan(1));
+  if (words[0] == "view") return parse_view(words.subspan(1));
   if (words[0] == "bench") return parse_bench(words.subspan(1));
   return usage_error("unknown command '" + std::string(words[0]) + "'");
 }
@@ -212,6 +245,9 @@ std::string usage_line() {
   return "usage: keylume render JOB_FOLDER [--again] [--threads N] [--checkpoint-seconds N] [--parent PID]\n"
          "                      [--sandbox]\n"
          "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID] "
+         "[--sandbox]\n"
+         "       keylume view JOB_FOLDER --name NAME [--threads N] [--memory-mb N] [--seconds N] [--parent "
+         "PID] "
          "[--sandbox]\n"
          "       keylume bench paper [--scene NAME] [--out FOLDER] [--seed N] [--quick] [--examples FOLDER]\n"
          "       keylume bench limit|scaling|peers [--part NAME] [--repetitions N] [--out FOLDER] [--seed N] "
@@ -244,6 +280,16 @@ check    Reads the job, counts its patches and forecasts what a run takes. Says 
   --seconds N     at most N seconds of processor time (60)
   --parent PID    as for render
   --sandbox       as for render
+
+view     Pictures of a job that is rendered already, without solving it again: JOB_FOLDER/views/NAME.json says
+         which camera ({"camera": "front"}, or position, target and vertical_fov_degrees), frames, width, height,
+         formats, exposure_stops, tone_map; they are left in JOB_FOLDER/views/NAME, which appears when all are
+         whole. Writes NAME.report.json beside it, also on failure.
+  --name NAME     letters, digits, '_' and '-'
+  --memory-mb N   at most N MiB of memory for the view (16384)
+  --seconds N     at most N seconds of processor time (3600)
+  --threads N, --parent PID, --sandbox
+                  as for render
 
 bench    Runs jobs as users run them and times them; prints a report and leaves report.md, report.json and
          tables for plots. Takes many minutes; what was run already by the same program is not run again.

@@ -40,6 +40,16 @@ struct CheckCommand {
   std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
 };
 
+struct ViewCommand {
+  std::filesystem::path job_folder = {};
+  std::string name = {};             ///< 1 .. 64 letters, digits, '_' or '-'
+  std::uint64_t memory_mb = 16'384;  ///< [MiB]; kCheckMemoryMbMin .. kCheckMemoryMbMax
+  std::uint64_t seconds = 3600;      ///< [s] of processor time, over all threads; 1 .. kCheckSecondsMax
+  unsigned threads = 0;              ///< 0: all cores; 1 .. kThreadsMax
+  std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
+  bool sandbox = false;              ///< as of a run
+};
+
 struct BenchCommand {
   BenchOptions options;
 };
@@ -47,7 +57,8 @@ struct BenchCommand {
 struct HelpCommand {};
 struct VersionCommand {};
 
-using Command = std::variant<RenderCommand, CheckCommand, BenchCommand, HelpCommand, VersionCommand>;
+using Command =
+    std::variant<RenderCommand, CheckCommand, ViewCommand, BenchCommand, HelpCommand, VersionCommand>;
 
 /// `words` are argv without the program's name. Options may stand before or after the folder, as
 /// `--threads 2` or `--threads=2`; after `--` every word is a folder. Each option at most once.

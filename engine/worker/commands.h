@@ -11,6 +11,7 @@
 #include "api/job_request.h"
 #include "api/read_request.h"
 #include "api/result.h"
+#include "engine/pipeline/render_view.h"
 #include "engine/pipeline/run_pipeline.h"
 #include "engine/worker/command_line.h"
 
@@ -37,10 +38,18 @@ using Fingerprinter = std::function<api::Result<std::string>(const std::filesyst
 /// Cannot tell: every run is another.
 api::Result<std::string> unknown_fingerprint(const std::filesystem::path& input_folder);
 
+/// As engine::render_view. May throw.
+using ViewRenderer = std::function<api::Status(const api::JobRequest&, const api::ViewRequest&,
+                                               const ViewFolders&, const Progress&, api::JobReport&)>;
+/// Renders none.
+api::Status no_view(const api::JobRequest&, const api::ViewRequest&, const ViewFolders&, const Progress&,
+                    api::JobReport&);
+
 /// What else of the engine a command may need.
 struct EngineParts {
   Refuser refuse = refuse_as_read;
   Fingerprinter fingerprint = unknown_fingerprint;
+  ViewRenderer view = no_view;
 };
 
 /// One attempt at a job: locks the folder, clears leftovers, runs `pipeline`, writes progress.ndjson and
@@ -53,6 +62,11 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, con
 /// nothing else: a worker may be at the folder, or have finished it.
 /// Ends the process with limit_exceeded when the processor time is used up. Call from main, once.
 api::ExitCode check(const CheckCommand& command, const Checker& checker, const EngineParts& parts = {});
+
+/// Renders JOB_FOLDER/views/NAME.json (api::ViewRequest) into JOB_FOLDER/views/NAME, which appears when it is
+/// whole, with limits on this process from which it does not recover, and writes NAME.report.json beside it.
+/// Errors as exit codes: those of a run; internal as well where the job is not rendered yet.
+api::ExitCode view(const ViewCommand& command, const ViewRenderer& render);
 
 /// As engine::run_bench of this program. May throw.
 using Bench = std::function<api::Status(const BenchOptions&)>;

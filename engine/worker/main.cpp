@@ -6,6 +6,7 @@
 
 #include "engine/bench/bench.h"
 #include "engine/pipeline/job_fingerprint.h"
+#include "engine/pipeline/render_view.h"
 #include "engine/pipeline/run_pipeline.h"
 #include "engine/worker/commands.h"
 #include "engine/worker/outcome.h"
@@ -18,7 +19,8 @@ int main(int argc, char** argv) {
     };
     return static_cast<int>(
         engine::run_worker(words, engine::run_pipeline, engine::check_job, bench,
-                           {.refuse = engine::refuse_job, .fingerprint = engine::job_fingerprint}));
+                           {.refuse = engine::refuse_job, .fingerprint = engine::job_fingerprint,
+                            .view = engine::render_view}));
   } catch (const std::bad_alloc&) {
     engine::tell("out of memory");
     return static_cast<int>(api::ExitCode::limit_exceeded);

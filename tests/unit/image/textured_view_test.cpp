@@ -55,7 +55,7 @@ struct Wall {
     const auto textures = make_textured_view(scene, animation, patches, mesh);
     std::vector<std::vector<Rgb>> nodes(1);
     if (textures)
-      EXPECT_TRUE(textured_node_values(*textures, {}, radiosity, 0, never, nodes));
+      EXPECT_TRUE(textured_node_values(*textures, {}, radiosity, 0, every_frame(animation), never, nodes));
     else
       EXPECT_TRUE(node_radiosity(mesh, patches, radiosity, 0, never, nodes));
     const FrameIndex frame = 0;
@@ -220,7 +220,7 @@ TEST(TexturedView, AStandingCameraKeepsWhatTracingShows) {
   const auto textures = make_textured_view(scene, wall.animation, wall.patches, mesh);
   const ShadedScene stage{wall.patches, mesh, rays, textures.get()};
   std::vector<std::vector<Rgb>> nodes(1);
-  textured_node_values(*textures, {}, wall.lit_by(even), 0, never, nodes);
+  textured_node_values(*textures, {}, wall.lit_by(even), 0, every_frame(wall.animation), never, nodes);
   const PinholeCamera camera = pinhole_camera(kInFront, 160, 120);
   const auto kept = see_static(stage, camera, 5, 100 << 20, never);
   ASSERT_TRUE(kept);
