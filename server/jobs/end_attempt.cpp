@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "api/fault_point.h"
 #include "server/artefacts/files.h"
 #include "server/jobs/collect_results.h"
 #include "server/jobs/folder_size.h"
@@ -44,6 +45,7 @@ Wanted JobService::wanted(const Lease& lease, std::int64_t ran_ms) {
 }
 
 api::Status JobService::end_attempt(const Lease& lease, const AttemptOutcome& outcome) {
+  api::fault_point("worker_ended");
   const auto job = store_.leased_job(lease);
   if (!job) return job.error();
   api::Status settled = settle(*job, lease, outcome);
@@ -101,8 +103,10 @@ api::Status JobService::succeed(const Job& job, const Lease& lease, const Attemp
   const std::filesystem::path folder = folder_.job(job.id);
   const auto results = collect_results(folder, job.frame_count);
   if (results) forget_checkpoint(job);
+  api::fault_point("results_collected");
   api::Status kept = results ? store_.succeed(lease, *results, api::job_report_json(read_report(folder)))
                              : api::Status(results.error());
+  api::fault_point("results_committed");
   if (kept) return kept;
   const Fault fault = kept.error().fault;
   // Neither says anything about the worker. Whatever else does not go into the store never will: it must end

@@ -1,6 +1,7 @@
 // The part of JobService that does what clients wish with jobs that exist.
 #include <utility>
 
+#include "api/fault_point.h"
 #include "server/artefacts/files.h"
 #include "server/jobs/folder_size.h"
 #include "server/jobs/job_service.h"
@@ -77,12 +78,14 @@ api::Result<Job> JobService::change(std::string_view id, const api::JobOptions& 
 api::Status JobService::remove(std::string_view id) {
   const std::lock_guard lock(removing_);
   if (api::Status begun = store_.begin_removal(id); !begun) return begun;
+  api::fault_point("removal_marked");
   return remove_files_and_row(std::string(id));
 }
 
 api::Status JobService::remove_files_and_row(const std::string& id) {
   if (api::Status removed = remove_tree(folder_.job(id)); !removed) return removed;
   if (api::Status synced = sync_folder(folder_.jobs()); !synced) return synced;
+  api::fault_point("files_removed");
   return store_.erase(id);
 }
 

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "api/fault_point.h"
 #include "server/artefacts/files.h"
 #include "server/jobs/collect_results.h"
 #include "server/log.h"
@@ -41,11 +42,13 @@ api::Result<Job> JobService::submit(const Upload& upload) {
 }
 
 api::Result<Job> JobService::submit(const Upload& upload, std::optional<IdempotencyKey> key) {
+  api::fault_point("upload_received");
   auto row = check(upload);
   if (!row) {
     discard(upload);
     return row.error();
   }
+  api::fault_point("upload_checked");
   row->key = std::move(key);
   auto job = keep(upload, *row);
   if (!job) return job;
@@ -155,7 +158,9 @@ api::Result<Job> JobService::keep(const Upload& upload, const NewJob& row) {
     (void)remove_tree(to);
     return moved.error();
   }
+  api::fault_point("folder_moved");
   auto job = store_.insert(row);
+  api::fault_point("job_committed");
   if (!job) (void)remove_tree(to);
   return job;
 }

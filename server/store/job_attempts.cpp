@@ -1,4 +1,5 @@
 // The part of JobStore that the supervisor uses: one attempt, from claim to end, fenced by its lease.
+#include "api/fault_point.h"
 #include "server/store/job_store.h"
 #include "server/store/read_rows.h"
 
@@ -20,6 +21,7 @@ api::Error superseded() {
 }  // namespace
 
 api::Status JobStore::record_worker(const Lease& lease, const ProcessIdentity& worker) {
+  api::fault_point("worker_started");
   const std::lock_guard lock(mutex_);
   Statement update = database_.prepare(
       "UPDATE attempt SET worker_pid = ?, worker_start_ticks = ?, worker_boot_id = ? "
@@ -27,6 +29,7 @@ api::Status JobStore::record_worker(const Lease& lease, const ProcessIdentity& w
   update.bind(worker.pid).bind(worker.start_ticks).bind(worker.boot_id).bind(lease.job_seq).bind(lease.token);
   if (api::Status done = update.run(); !done) return done;
   if (database_.changes() != 1) return superseded();
+  api::fault_point("worker_recorded");
   return api::Done{};
 }
 

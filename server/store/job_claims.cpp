@@ -1,4 +1,5 @@
 // The part of JobStore that takes the next job from the queue.
+#include "api/fault_point.h"
 #include "server/store/job_store.h"
 #include "server/store/turns.h"
 
@@ -150,6 +151,7 @@ api::Result<std::optional<Claim>> JobStore::claim(const Room& room) {
   const auto job = job_locked((*chosen)->id);
   if (!job) return job.error();
   if (const api::Status done = transaction.commit(); !done) return done.error();
+  api::fault_point("claimed");
   return std::optional<Claim>(Claim{*job, *lease});
 }
 

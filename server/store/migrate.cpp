@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "api/fault_point.h"
+
 namespace server {
 namespace {
 
@@ -34,7 +36,10 @@ api::Status apply(Database& database, const Migration& migration) {
                         "migration " + std::string(migration.name) + ": " + done.error().message};
   }
   if (api::Status whole = check_references(database); !whole) return whole;
-  return transaction.commit();
+  api::fault_point("migration_begun");
+  api::Status committed = transaction.commit();
+  api::fault_point("migrated");
+  return committed;
 }
 
 // A table is replaced by dropping it, and with foreign keys on that would delete what refers to its rows. The
