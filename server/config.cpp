@@ -24,13 +24,37 @@ bool take_number(std::string_view text, Number least, Number most, Number& value
          value <= most;
 }
 
-api::Status take_listen(std::string_view text, Config& config) {
+api::Result<Address> parse_address(std::string_view option, std::string_view text) {
+  Address address;
   const std::size_t colon = text.rfind(':');
-  if (colon == text.npos || colon == 0 || !take_number(text.substr(colon + 1), 0, 65535, config.port))
-    return wrong("--listen: '" + std::string(text) + "' is not HOST:PORT");
+  if (colon == text.npos || colon == 0 || !take_number(text.substr(colon + 1), 0, 65535, address.port))
+    return wrong(std::string(option) + ": '" + std::string(text) + "' is not HOST:PORT");
   std::string_view host = text.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  config.host = host;
+  address.host = host;
+  return address;
+}
+
+api::Status take_listen(std::string_view text, Config& config) {
+  auto address = parse_address("--listen", text);
+  if (!address) return address.error();
+  config.host = std::move(address->host);
+  config.port = address->port;
+  return api::Done{};
+}
+
+api::Status take_ops_listen(std::string_view text, Config& config) {
+  config.ops = Address{};
+  if (text == "off") return api::Done{};
+  auto address = parse_address("--ops-listen", text);
+  if (!address) return address.error();
+  config.ops = std::move(*address);
+  return api::Done{};
+}
+
+api::Status take_log_format(std::string_view text, Config& config) {
+  if (text != "text" && text != "json") return wrong("--log: must be text or json");
+  config.log_format = text == "json" ? LogFormat::json : LogFormat::text;
   return api::Done{};
 }
 
@@ -73,6 +97,8 @@ api::Status take_option(std::string_view name, std::string_view value, Config& c
   if (name == "--data") config.data = value;
   if (name == "--worker") config.worker = value;
   if (name == "--listen") return take_listen(value, config);
+  if (name == "--ops-listen") return take_ops_listen(value, config);
+  if (name == "--log") return take_log_format(value, config);
   if (name == "--proxy") config.proxies.emplace_back(value);
   const NumberOption* number = number_named(name);
   if (!number) return api::Done{};
@@ -130,7 +156,8 @@ bool is_loopback(std::string_view host) {
 }
 
 api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words) {
-  constexpr std::array<std::string_view, 4> kWithText{"--data", "--listen", "--worker", "--proxy"};
+  constexpr std::array<std::string_view, 6> kWithText{"--data",       "--listen", "--log",
+                                                      "--ops-listen", "--proxy",  "--worker"};
   Config config;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
@@ -159,6 +186,8 @@ usage: keylume-server --data DIR [options]
 
   --data DIR              where jobs, uploads and results are kept; made if missing
   --listen HOST:PORT      default 127.0.0.1:8080; port 0 takes any free one
+  --ops-listen HOST:PORT  a second listener with threads of its own, for /healthz, /readyz, /metrics and /version
+                          alone, or off; default: 127.0.0.1 and the port after --listen's, if it is free
   --worker PATH           the worker program; default: keylume beside this program, or along PATH
   --worker-threads N      threads of one job; default: as many as all jobs together may use
   --worker-threads-total N
@@ -175,6 +204,7 @@ usage: keylume-server --data DIR [options]
                           this machine can reach HOST, else 50
   --proxy ADDRESS         a proxy in front of the service, whose X-Forwarded-For and X-Forwarded-Proto are
                           believed; may be given several times
+  --log text|json         how lines on standard error look; default: text on a terminal, else json
   --insecure-public       allow a HOST that other machines can reach without a token, because something else keeps
                           strangers out
   --help, --version
@@ -186,7 +216,8 @@ other commands, each with --data DIR:
   token list              names, scopes and dates
   token revoke NAME       at once, also where a server runs
 
-GET /openapi.json describes every request. SIGTERM stops the service; a running job stays queued.
+GET /openapi.json describes every request. SIGTERM stops the service within 10 s: no new connections, short
+requests end, running jobs leave a checkpoint and stay queued; a second SIGTERM ends it at once.
 
 exit codes: 0 stopped as told, 1 failed, 64 wrong command line, 69 the port cannot be taken,
             75 another server uses the data folder

@@ -11,13 +11,22 @@
 #include <vector>
 
 #include "api/result.h"
+#include "server/log.h"
 
 namespace server {
+
+struct Address {
+  std::string host;
+  int port = 0;  ///< 0: any free one
+};
 
 struct Config {
   std::filesystem::path data;
   std::string host = "127.0.0.1";
-  int port = 8080;                    ///< 0: any free one; the log says which
+  int port = 8080;  ///< 0: any free one; the log says which
+  /// For /healthz, /readyz, /metrics and /version alone, so that clients cannot crowd it out. Empty host:
+  /// none.
+  std::optional<Address> ops;         ///< none given: 127.0.0.1 and the port after `port`, if it is free
   std::filesystem::path worker;       ///< the worker executable, found and executable
   unsigned worker_threads = 0;        ///< of one job; 0: worker_threads_total
   unsigned worker_threads_total = 0;  ///< of all jobs that run at once; 0: all cores
@@ -28,6 +37,7 @@ struct Config {
   std::int64_t stored_bytes_per_owner_max = INT64_MAX;  ///< of those of one token
   std::optional<double> requests_per_second;  ///< of one token or address; 0: no limit; none: see rate_limit
   std::vector<std::string> proxies;           ///< addresses whose X-Forwarded-* headers are believed
+  LogFormat log_format = LogFormat::automatic;
   bool insecure_public = false;  ///< listen beyond this machine although anybody may then use the service
 };
 

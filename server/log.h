@@ -1,12 +1,28 @@
 // The server's log: one line per event on standard error.
 #pragma once
 
+#include <cstdint>
+#include <initializer_list>
+#include <string>
 #include <string_view>
+#include <variant>
 
 namespace server {
 
-/// Writes "keylume-server: " and `message` as one line. Control characters are replaced, since names come
-/// from strangers. Any thread.
+/// text: "keylume-server: message, name value", for people. json: one object a line, for machines.
+enum class LogFormat { automatic, text, json };  ///< automatic: text on a terminal, else json
+
+/// Before the first line.
+void set_log_format(LogFormat format);
+
+struct LogField {
+  std::string_view name;
+  std::variant<std::string, std::int64_t, double> value;
+};
+
+/// Any thread; lines of several threads do not mix. Names come from strangers: control characters are
+/// replaced or escaped.
 void log_line(std::string_view message);
+void log_event(std::string_view message, std::initializer_list<LogField> fields);
 
 }  // namespace server

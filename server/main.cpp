@@ -4,9 +4,8 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <condition_variable>
 #include <iostream>
-#include <mutex>
+#include <memory>
 #include <thread>
 #include <vector>
 
@@ -16,30 +15,25 @@
 #include "server/config.h"
 #include "server/events/event_hub.h"
 #include "server/http/http_server.h"
+#include "server/http/ops_routes.h"
 #include "server/http/routes.h"
 #include "server/jobs/job_service.h"
 #include "server/log.h"
+#include "server/metrics/http_metrics.h"
+#include "server/metrics/job_metrics.h"
+#include "server/setup.h"
+#include "server/stop_deadline.h"
 #include "server/store/job_store.h"
-#include "server/workers/budget.h"
-#include "server/workers/check_command.h"
 #include "server/workers/supervisor.h"
 
 namespace {
 
 using namespace server;
 
-// As in sysexits.h.
-constexpr int kFailed = 1;
-constexpr int kUsage = 64;
-constexpr int kUnavailable = 69;
-constexpr int kInUse = 75;
-
 constexpr std::chrono::seconds kStopPatience{10};
-
-int refuse(const api::Error& error, int exit_code) {
-  std::cerr << "keylume-server: " << error.message << "\n";
-  return exit_code;
-}
+// Of it, for requests that are being answered.
+constexpr std::chrono::seconds kRequestPatience{3};
+constexpr std::chrono::seconds kHangingPatience{1};
 
 /// SIGTERM and SIGINT are waited for, by this thread alone; threads started later inherit the mask.
 sigset_t block_stop_signals() {
@@ -52,148 +46,139 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
-JobRules job_rules(const Config& config, const Doorbell& bell) {
-  CheckRules check;
-  check.program = config.worker;
-  check.render_threads = config.worker_threads > 0 ? config.worker_threads : config.worker_threads_total;
-  JobRules rules;
-  rules.queued_of_one_owner_max = config.queued_per_owner_max;
-  rules.bytes_max = config.stored_bytes_max;
-  rules.bytes_of_one_owner_max = config.stored_bytes_per_owner_max;
-  rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
-  rules.check = make_check(check);
-  rules.work_arrived = [&bell] { bell.ring(); };
-  rules.cancel_requested = [&bell] { bell.ring(); };
-  return rules;
-}
-
-WorkerRules worker_rules(const Config& config) {
-  WorkerRules rules;
-  rules.program = config.worker;
-  rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
-  rules.cores_per_job = config.worker_threads > 0 ? config.worker_threads : rules.budget.cores;
-  if (config.worker_threads > 0 || config.worker_threads_total > 0)
-    rules.render_options = {"--threads", std::to_string(rules.cores_per_job)};
-  return rules;
-}
-
-HttpRules http_rules(const Config& config) {
-  HttpRules rules;
-  rules.host = config.host;
-  rules.port = config.port;
-  rules.upload_bytes_max = config.upload_bytes_max;
-  return rules;
-}
-
-GateRules gate_rules(const Config& config) {
-  GateRules rules;
-  rules.this_machine_only = is_loopback(config.host);
-  rules.tokens_required = !rules.this_machine_only && !config.insecure_public;
-  rules.proxies = config.proxies;
-  rules.rate.per_second = rate_limit(config);
-  rules.rate.burst = 4 * rules.rate.per_second;
-  return rules;
-}
-
-/// A service that others can reach must be able to tell who may use it.
-api::Status check_who_may_enter(const Config& config, const TokenFolder& tokens) {
-  if (is_loopback(config.host) || config.insecure_public) return api::Done{};
-  const auto known = tokens.list();
-  if (!known) return known.error();
-  const std::int64_t now = system_clock_ms();
-  for (const Token& token : *known)
-    if (!token.expires_ms || now < *token.expires_ms) return api::Done{};
-  return api::Error{
-      api::Fault::invalid_request,
-      "--listen: " + config.host +
-          " can be reached from other machines and there is no valid token, so nobody could be told "
-          "from a stranger; make one with\n  keylume-server token create NAME --data " +
-          config.data.string() +
-          "\nor listen on 127.0.0.1, or give --insecure-public where something else keeps strangers "
-          "out"};
-}
-
-/// Ends the process if stopping takes too long: whatever is under way, the data folder survives it.
-class StopDeadline {
- public:
-  StopDeadline()
-      : thread_([this] {
-          std::unique_lock lock(mutex_);
-          if (!done_.wait_for(lock, kStopPatience, [this] { return stopped_; })) ::_exit(kFailed);
-        }) {}
-  ~StopDeadline() {
-    {
-      const std::lock_guard lock(mutex_);
-      stopped_ = true;
-    }
-    done_.notify_one();
-    thread_.join();
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable done_;
-  bool stopped_ = false;
-  std::thread thread_;
+/// What is running, and has to be stopped in order.
+struct Running {
+  HttpServer& http;
+  HttpServer* ops;  ///< may be none
+  JobService& jobs;
+  EventHub& hub;
+  Supervisor& supervisor;
 };
 
-/// Answers requests until a signal comes. -> exit code
-int serve(HttpServer& http, JobService& jobs, EventHub& hub, Supervisor& supervisor,
-          const sigset_t& signals) {
+/// Answers requests until a signal comes, then drains. -> exit code
+int serve(const Running& running, const sigset_t& signals) {
   bool failed = false;
   std::thread listener([&] {
-    failed = !http.run();
+    failed = !running.http.run();
     if (failed) ::kill(::getpid(), SIGTERM);
+  });
+  std::thread ops_listener([&] {
+    if (running.ops) (void)running.ops->run();
   });
   int signal = 0;
   sigwait(&signals, &signal);
   log_line("stopping");
-  const StopDeadline deadline;
-  hub.stop();           // or listeners would hold their threads
-  jobs.stop_waiting();  // likewise
-  http.stop();
-  supervisor.stop();
+  const StopDeadline deadline(kStopPatience, kExitFailed);
+  // Who asks a second time does not want to wait.
+  std::thread([signals] {
+    int again = 0;
+    sigwait(&signals, &again);
+    ::_exit(kExitFailed);
+  }).detach();
+  running.hub.stop();           // or listeners would hold their threads
+  running.jobs.stop_waiting();  // likewise
+  running.http.drain(kRequestPatience);
+  running.supervisor.stop();
+  running.http.stop();
+  if (running.ops) running.ops->stop();
+  // Everything is safe by now; a client that hangs is no reason to wait longer, nor a failure.
+  const StopDeadline hanging(kHangingPatience, failed ? kExitFailed : 0);
   listener.join();
-  return failed ? kFailed : 0;
+  ops_listener.join();
+  log_line("stopped");
+  return failed ? kExitFailed : 0;
+}
+
+/// The second listener, bound. None: not wanted, or its port was not free and nobody insists on it.
+api::Result<std::unique_ptr<HttpServer>> bind_ops(const Config& config, const Address& ops,
+                                                  const Router& router, Gate& gate) {
+  if (ops.host.empty()) return std::unique_ptr<HttpServer>();
+  auto http = std::make_unique<HttpServer>(router, gate, ops_http_rules(ops));
+  const api::Status bound = http->bind();
+  if (bound) return http;
+  if (config.ops) return bound.error();
+  log_line("no second listener: " + bound.error().message);
+  return std::unique_ptr<HttpServer>();
+}
+
+void tell_of_exchange(HttpMetrics& metrics, const Exchange& exchange) {
+  metrics.count(exchange.route, exchange.status, exchange.seconds);
+  // What asks every few seconds whether we are well would fill the log.
+  if (exchange.status == 200 &&
+      (exchange.path == "/healthz" || exchange.path == "/readyz" || exchange.path == "/metrics"))
+    return;
+  log_event("request", {{"request_id", exchange.request_id},
+                        {"method", exchange.method},
+                        {"path", exchange.path},
+                        {"route", exchange.route},
+                        {"status", std::int64_t{exchange.status}},
+                        {"duration_ms", exchange.seconds * 1000},
+                        {"owner", exchange.owner},
+                        {"address", exchange.address}});
 }
 
 int run(const Config& config) {
   const sigset_t signals = block_stop_signals();
+  set_log_format(config.log_format);
   TokenFolder tokens(config.data);
   if (const api::Status told = check_who_may_enter(config, tokens); !told)
-    return refuse(told.error(), kUsage);
+    return refuse_command(told.error(), kExitUsage);
   const auto folder = DataFolder::open(config.data);
   if (!folder)
-    return refuse(folder.error(), folder.error().fault == api::Fault::wrong_state ? kInUse : kFailed);
+    return refuse_command(folder.error(),
+                          folder.error().fault == api::Fault::wrong_state ? kExitInUse : kExitFailed);
   const auto store = JobStore::open(folder->database());
-  if (!store) return refuse(store.error(), kFailed);
+  if (!store) return refuse_command(store.error(), kExitFailed);
   const auto events = EventReader::open(folder->database());
-  if (!events) return refuse(events.error(), kFailed);
+  if (!events) return refuse_command(events.error(), kExitFailed);
   const auto bell = Doorbell::create();
-  if (!bell) return refuse(bell.error(), kFailed);
+  if (!bell) return refuse_command(bell.error(), kExitFailed);
 
   JobService jobs(**store, *folder, job_rules(config, *bell));
-  Router router;
+  EventHub hub(**events);
+  HttpMetrics http_metrics;
+  JobMetrics job_metrics;
+  Router router, ops_router;
   add_job_routes(router, jobs);
   add_result_routes(router, jobs);
-  EventHub hub(**events);
   add_event_routes(router, jobs, hub);
   add_login_routes(router, tokens, system_clock_ms);
-  add_service_routes(router);
   UploadLimits limits;
   limits.total_bytes = config.upload_bytes_max;
   add_upload_routes(router, jobs, *folder, limits);
   Gate gate(tokens, gate_rules(config), system_clock_ms);
-  HttpServer http(router, gate, http_rules(config));
-  if (const api::Status bound = http.bind(); !bound) return refuse(bound.error(), kUnavailable);
+  HttpServer http(router, gate, http_rules(config),
+                  [&](const Exchange& exchange) { tell_of_exchange(http_metrics, exchange); });
+  const OpsSources sources{jobs,
+                           **store,
+                           *folder,
+                           hub,
+                           http_metrics,
+                           job_metrics,
+                           [&http] { return http.uploads(); },
+                           [&config] { return start_worker_once(config.worker); }};
+  for (Router* each : {&router, &ops_router}) {
+    add_service_routes(*each);
+    add_ops_routes(*each, sources);
+  }
+  if (const api::Status bound = http.bind(); !bound) return refuse_command(bound.error(), kExitUnavailable);
+  const Address ops = config.ops.value_or(Address{"127.0.0.1", config.port == 0 ? 0 : http.port() + 1});
+  Gate ops_gate(tokens, ops_gate_rules(config, ops), system_clock_ms);
+  const auto ops_http = bind_ops(config, ops, ops_router, ops_gate);
+  if (!ops_http) return refuse_command(ops_http.error(), kExitUnavailable);
 
-  if (const api::Status clean = jobs.clean_up(); !clean) return refuse(clean.error(), kFailed);
-  if (const api::Status started = hub.start(); !started) return refuse(started.error(), kFailed);
+  if (const api::Status clean = jobs.clean_up(); !clean) return refuse_command(clean.error(), kExitFailed);
+  const api::Status watching = hub.start([&](const JobEvent& event) { job_metrics.take(event); });
+  if (!watching) return refuse_command(watching.error(), kExitFailed);
   Supervisor supervisor(jobs, *bell, worker_rules(config));
-  if (const api::Status started = supervisor.start(); !started) return refuse(started.error(), kFailed);
+  if (const api::Status started = supervisor.start(); !started)
+    return refuse_command(started.error(), kExitFailed);
   log_line("listening on http://" + config.host + ":" + std::to_string(http.port()) + ", data in " +
            config.data.string() + ", worker " + config.worker.string());
-  return serve(http, jobs, hub, supervisor, signals);
+  if (*ops_http)
+    log_line("/healthz, /readyz and /metrics also on http://" + ops.host + ":" +
+             std::to_string((*ops_http)->port()));
+  return serve({http, ops_http->get(), jobs, hub, supervisor}, signals);
 }
 
 }  // namespace
@@ -204,7 +189,7 @@ int main(int argc, char** argv) {
   const auto command = server::parse_command_line(words);
   if (!command) {
     std::cerr << "keylume-server: " << command.error().message << "\ntry keylume-server --help\n";
-    return kUsage;
+    return server::kExitUsage;
   }
   if (std::holds_alternative<server::ShowHelp>(*command)) {
     std::cout << server::help_text();

@@ -104,6 +104,7 @@ Gate::Gate(TokenFolder& tokens, GateRules rules, Clock clock)
     : tokens_(tokens), rules_(std::move(rules)), clock_(std::move(clock)), limiter_(rules_.rate) {}
 
 bool Gate::asks_for_tokens() {
+  if (rules_.never_asks) return false;
   if (rules_.tokens_required || tokens_seen_) return true;
   // From the first token on; revoking the last one must not open the door again.
   if (tokens_.exists()) tokens_seen_ = true;

@@ -19,6 +19,7 @@ namespace server {
 struct GateRules {
   bool this_machine_only = true;     ///< we listen on loopback: see refuse_stranger
   bool tokens_required = false;      ///< also before there has ever been one
+  bool never_asks = false;           ///< whoever gets here may do what is here
   std::vector<std::string> proxies;  ///< addresses whose X-Forwarded-* headers are believed
   RateRules rate;
 };

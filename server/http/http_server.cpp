@@ -7,7 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <exception>
+#include <optional>
+#include <thread>
 #include <utility>
 
 #include "server/http/body_reader.h"
@@ -27,6 +30,8 @@ constexpr std::size_t kRequestIdBytesMax = 64;
 
 /// The request that this thread is answering: a thread has one at a time.
 thread_local HttpRequest current;
+thread_local std::string current_route;
+thread_local std::optional<std::chrono::steady_clock::time_point> begun_at;  ///< none: we never saw it
 thread_local bool admitted = false;  ///< already, while the client waits to be told to go on
 thread_local std::vector<std::pair<std::string, std::string>> more_headers;  ///< for its answer
 
@@ -79,8 +84,8 @@ class Place {
 }  // namespace
 
 struct HttpServer::Library {
-  Library(const Router& router_, Gate& gate_, HttpRules rules_)
-      : router(router_), gate(gate_), rules(std::move(rules_)) {
+  Library(const Router& router_, Gate& gate_, HttpRules rules_, std::function<void(const Exchange&)> tell_)
+      : router(router_), gate(gate_), rules(std::move(rules_)), tell(std::move(tell_)) {
     set_limits();
     set_handlers();
   }
@@ -145,18 +150,32 @@ struct HttpServer::Library {
     server.set_exception_handler([this](const auto& request, auto& response, std::exception_ptr thrown) {
       send(answer_to_exception(request.path, thrown), stopping, response);
     });
-    server.set_post_routing_handler([](const auto& request, auto& response) {
+    server.set_post_routing_handler([this](const auto& request, auto& response) {
       const std::string given = request.get_header_value("X-Request-Id");
-      response.set_header("X-Request-Id", is_request_id(given) ? given : new_request_id());
+      const std::string id = is_request_id(given) ? given : new_request_id();
+      response.set_header("X-Request-Id", id);
       for (const auto& [name, value] : std::exchange(more_headers, {})) response.set_header(name, value);
       set_safe_headers(response);
       if (response.status == 204 || response.status == 304) response.headers.erase("Content-Length");
+      if (begun_at) --answering;
+      if (tell) tell(exchange_of(id, request, response.status));
+      begun_at.reset();
     });
   }
 
-  static void begin(const httplib::Request& request) {
+  static Exchange exchange_of(const std::string& id, const httplib::Request& request, int status) {
+    // What the library refuses before we see it has none of ours.
+    if (!begun_at) return {id, request.method, request.path, "", "", request.remote_addr, status, 0};
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - *begun_at;
+    return {id,     current.method, current.path, current_route, current.owner, current.address,
+            status, elapsed.count()};
+  }
+
+  void begin(const httplib::Request& request) {
+    if (!begun_at) ++answering;
     take_over(request);
     current = request_of(request);
+    begun_at = request.start_time_;
   }
 
   static bool streams(const FoundRoute& found) { return found.route && found.route->upload; }
@@ -173,6 +192,7 @@ struct HttpServer::Library {
   /// What can be said before the body is there.
   std::optional<HttpAnswer> refuse(const httplib::Request& request, const FoundRoute& found) {
     more_headers.clear();
+    current_route = found.route ? found.route->method + " " + found.route->pattern : "";
     if (auto refused = gate.refuse(current, found.route, more_headers)) return refused;
     if (!may_bring_body(request) && (announced_bytes(request) > 0 || request.has_header("Transfer-Encoding")))
       return problem(413, "no body is expected here", current.path);
@@ -238,14 +258,18 @@ struct HttpServer::Library {
   const Router& router;
   Gate& gate;
   HttpRules rules;
+  std::function<void(const Exchange&)> tell;
   std::atomic<bool> stopping = false;
+  std::atomic<bool> stopped = false;
   std::atomic<std::size_t> uploads = 0;
+  std::atomic<std::size_t> answering = 0;  ///< requests that have come, and have no answer yet
   int port = 0;
   httplib::Server server;
 };
 
-HttpServer::HttpServer(const Router& router, Gate& gate, HttpRules rules)
-    : library_(std::make_unique<Library>(router, gate, std::move(rules))) {}
+HttpServer::HttpServer(const Router& router, Gate& gate, HttpRules rules,
+                       std::function<void(const Exchange&)> tell)
+    : library_(std::make_unique<Library>(router, gate, std::move(rules), std::move(tell))) {}
 
 HttpServer::~HttpServer() = default;
 
@@ -263,6 +287,10 @@ api::Status HttpServer::bind() {
                                                  "; is another program using that port?"};
 }
 
+std::size_t HttpServer::uploads() const {
+  return library_->uploads;
+}
+
 int HttpServer::port() const {
   return library_->port;
 }
@@ -271,11 +299,23 @@ bool HttpServer::run() {
   return library_->server.listen_after_bind() || library_->stopping;
 }
 
+void HttpServer::drain(std::chrono::milliseconds patience) {
+  library_->stopped = true;
+  library_->server.wait_until_ready();
+  library_->server.stop();
+  const auto end = std::chrono::steady_clock::now() + patience;
+  while (library_->answering > 0 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  library_->stopping = true;
+}
+
 void HttpServer::stop() {
   library_->stopping = true;
   // The library forgets a stop that comes before its loop has begun.
-  library_->server.wait_until_ready();
-  library_->server.stop();
+  if (!library_->stopped.exchange(true)) {
+    library_->server.wait_until_ready();
+    library_->server.stop();
+  }
 }
 
 }  // namespace server

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -27,10 +28,23 @@ struct HttpRules {
   std::int64_t upload_bytes_per_s = 1024;
 };
 
+/// A request and its answer, as they are counted and logged: once the answer begins.
+struct Exchange {
+  std::string request_id;
+  std::string method;
+  std::string path;   ///< as it came, decoded: a stranger's words
+  std::string route;  ///< "GET /v1/jobs/{id}"; empty where there is none
+  std::string owner;
+  std::string address;
+  int status = 0;
+  double seconds = 0;
+};
+
 class HttpServer {
  public:
-  /// `router` and `gate` must outlive it.
-  HttpServer(const Router& router, Gate& gate, HttpRules rules);
+  /// `router` and `gate` must outlive it. `tell` hears of every exchange, on the thread that answers it.
+  HttpServer(const Router& router, Gate& gate, HttpRules rules,
+             std::function<void(const Exchange&)> tell = {});
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
@@ -38,10 +52,14 @@ class HttpServer {
   /// Takes the port. Errors: wrong_state where it is taken or not ours to take.
   api::Status bind();
   int port() const;
+  std::size_t uploads() const;  ///< under way
   /// Answers requests until `stop`. False: the socket failed.
   bool run();
-  /// Any other thread than `run`'s, which must have been started. Requests under way are cut short where they
-  /// stream.
+  /// Any other thread than `run`'s, which must have been started. Takes no new connections and waits up to
+  /// `patience` for requests that are being answered. Files on their way out are cut short: who fetches one
+  /// comes back for the rest.
+  void drain(std::chrono::milliseconds patience);
+  /// Likewise, but at once: uploads are cut short too.
   void stop();
 
  private:

@@ -42,6 +42,8 @@ class JobStore {
   /// Newest first.
   api::Result<std::vector<Job>> list(const JobFilter& filter, std::int64_t limit);
   api::Result<std::int64_t> count(api::JobState state);
+  /// Could something be written now? Nothing is: job_store_health.cpp.
+  api::Status can_write();
   /// cancel, pause, resume or retry, as api::kJobReactions says; a wish that is fulfilled already changes
   /// nothing.
   api::Result<Job> wish(std::string_view id, api::JobEvent event, const StepReason& why);

@@ -6,6 +6,7 @@
 
 #include "server/auth/token_text.h"
 #include "server/http/gate.h"
+#include "server/http/ops_routes.h"
 #include "server/http/routes.h"
 #include "tests/unit/server/service_fixture.h"
 
@@ -41,6 +42,7 @@ class AuthTest : public ServiceTest {
     add_result_routes(router_, *jobs_);
     add_event_routes(router_, *jobs_, *hub_);
     add_login_routes(router_, *tokens_, [] { return kNow; });
+    add_ops_routes(router_, {*jobs_, *store_, *folder_, *hub_, http_metrics_, job_metrics_});
     add_service_routes(router_);
     rules_.this_machine_only = false;
   }
@@ -69,6 +71,8 @@ class AuthTest : public ServiceTest {
     return "";
   }
 
+  HttpMetrics http_metrics_;
+  JobMetrics job_metrics_;
   Router router_;
   GateRules rules_;
   std::unique_ptr<TokenFolder> tokens_;

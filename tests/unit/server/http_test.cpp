@@ -1,6 +1,7 @@
 // What we answer, without a socket.
 #include "server/http/conditions.h"
 #include "server/http/job_json.h"
+#include "server/http/ops_routes.h"
 #include "server/http/problem.h"
 #include "server/http/router.h"
 #include "server/http/routes.h"
@@ -247,6 +248,9 @@ TEST_F(ServiceTest, EveryRouteIsInTheContractAndTheReverse) {
   add_event_routes(router, *jobs_, hub);
   TokenFolder tokens(temporary_.path());
   add_login_routes(router, tokens, system_clock_ms);
+  HttpMetrics http_metrics;
+  JobMetrics job_metrics;
+  add_ops_routes(router, {*jobs_, *store_, *folder_, hub, http_metrics, job_metrics});
   add_service_routes(router);
   std::set<std::string> ours;
   for (const Route& route : router.routes()) ours.insert(route.method + " " + route.pattern);

@@ -1,0 +1,146 @@
+#include "server/http/ops_routes.h"
+
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "api/json/json_text.h"
+#include "server/http/problem.h"
+#include "server/http/routes.h"
+
+namespace server {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+// As the refusal of uploads for want of room: what the database and running jobs need.
+constexpr std::int64_t kReservedBytes = 64 << 20;
+
+/// The result of a check that strangers may ask for, asked for itself now and then only.
+class Remembered {
+ public:
+  Remembered(std::function<api::Status()> check, std::chrono::seconds every)
+      : check_(std::move(check)), every_(every) {}
+
+  /// "" or what is wrong.
+  std::string ask() {
+    const std::lock_guard lock(mutex_);
+    const auto now = SteadyClock::now();
+    if (!asked_ || now - *asked_ >= every_) {
+      const api::Status status = check_();
+      trouble_ = status ? "" : status.error().message;
+      asked_ = SteadyClock::now();
+    }
+    return trouble_;
+  }
+
+ private:
+  const std::function<api::Status()> check_;
+  const std::chrono::seconds every_;
+  std::mutex mutex_;
+  std::optional<SteadyClock::time_point> asked_;
+  std::string trouble_;
+};
+
+api::Status has_room(const DataFolder& folder) {
+  const auto free = free_bytes(folder.uploads());
+  if (!free) return free.error();
+  if (*free < kReservedBytes)
+    return api::Error{api::Fault::disk_full, std::to_string(*free) + " bytes are free, " +
+                                                 std::to_string(kReservedBytes) + " are needed"};
+  return api::Done{};
+}
+
+struct Readiness {
+  explicit Readiness(const OpsSources& sources)
+      : database([&store = sources.store] { return store.can_write(); }, std::chrono::seconds(1)),
+        disk([&folder = sources.folder] { return has_room(folder); }, std::chrono::seconds(1)),
+        worker(sources.start_worker, std::chrono::seconds(10)) {}
+
+  Remembered database;
+  Remembered disk;
+  Remembered worker;
+};
+
+/// GET /readyz, operationId getReadiness.
+HttpAnswer readiness_answer(Readiness& readiness) {
+  bool ready = true;
+  api::Json checks;
+  for (const auto& [name, check] : {std::pair<const char*, Remembered*>{"database", &readiness.database},
+                                    {"disk", &readiness.disk},
+                                    {"worker", &readiness.worker}}) {
+    const std::string trouble = check->ask();
+    ready = ready && trouble.empty();
+    checks[name] = trouble.empty() ? "ok" : trouble;
+  }
+  HttpAnswer answer =
+      json_answer(api::json_text({{"status", ready ? "ready" : "not_ready"}, {"checks", std::move(checks)}}),
+                  ready ? 200 : 503);
+  if (!ready) answer.headers.emplace_back("Retry-After", "10");
+  return answer;
+}
+
+std::int64_t bytes_of(const std::filesystem::path& file) {
+  std::error_code error;  // never opened: closing a descriptor would drop SQLite's locks
+  const auto bytes = std::filesystem::file_size(file, error);
+  return error ? 0 : static_cast<std::int64_t>(bytes);
+}
+
+void write_jobs(PrometheusText& text, const OpsSources& sources) {
+  text.family("keylume_jobs", "gauge", "Jobs by state.");
+  for (const api::JobState state : api::kJobStates)
+    if (const auto count = sources.store.count(state))
+      text.sample(static_cast<double>(*count), {{"state", api::name_of(state)}});
+  sources.job_times.write(text);
+  const GarbageReport garbage = sources.jobs.garbage();
+  text.family("keylume_gc_last_success_timestamp_seconds", "gauge",
+              "When jobs whose time is over were last looked for; 0: not yet.");
+  text.sample(static_cast<double>(garbage.last_ms) / 1000.0);
+  text.family("keylume_gc_removed_jobs_total", "counter", "Jobs removed because their time was over.");
+  text.sample(static_cast<double>(garbage.jobs));
+  text.family("keylume_gc_removed_bytes_total", "counter", "Their bytes.");
+  text.sample(static_cast<double>(garbage.bytes));
+}
+
+void write_service(PrometheusText& text, const OpsSources& sources) {
+  text.family("keylume_sse_clients", "gauge", "Listeners to events.");
+  text.sample(static_cast<double>(sources.hub.listeners()));
+  text.family("keylume_uploads_in_flight", "gauge", "Uploads that come in now.");
+  text.sample(static_cast<double>(sources.uploads()));
+  text.family("keylume_disk_free_bytes", "gauge", "Free on the file system of the data folder.");
+  text.sample(
+      static_cast<double>(free_bytes(sources.folder.uploads()) ? *free_bytes(sources.folder.uploads()) : -1));
+  text.family("keylume_sqlite_wal_bytes", "gauge", "Of the database's write-ahead log.");
+  text.sample(static_cast<double>(bytes_of(sources.folder.database().string() + "-wal")));
+  text.family("keylume_build_info", "gauge", "1; the version is in the label.");
+  text.sample(1, {{"version", KEYLUME_VERSION}});
+}
+
+/// GET /metrics, operationId getMetrics.
+HttpAnswer metrics_answer(const OpsSources& sources) {
+  HttpAnswer answer;
+  answer.content_type = "text/plain; version=0.0.4; charset=utf-8";
+  answer.body = metrics_text(sources);
+  answer.headers.emplace_back("Cache-Control", "no-store");
+  return answer;
+}
+
+}  // namespace
+
+std::string metrics_text(const OpsSources& sources) {
+  PrometheusText text;
+  write_jobs(text, sources);
+  sources.http.write(text);
+  write_service(text, sources);
+  return text.text();
+}
+
+void add_ops_routes(Router& router, OpsSources sources) {
+  const auto readiness = std::make_shared<Readiness>(sources);
+  router.add("GET", "/readyz",
+             [readiness](const auto&, const auto&) { return readiness_answer(*readiness); });
+  router.add("GET", "/metrics",
+             [sources = std::move(sources)](const auto&, const auto&) { return metrics_answer(sources); });
+}
+
+}  // namespace server

@@ -1,0 +1,105 @@
+#include "server/setup.h"
+
+#include <poll.h>
+
+#include <string>
+
+#include "server/store/job_store.h"
+#include "server/workers/budget.h"
+#include "server/workers/check_command.h"
+#include "server/workers/child_process.h"
+
+namespace server {
+namespace {
+
+constexpr std::size_t kOpsThreads = 8;
+
+}  // namespace
+
+JobRules job_rules(const Config& config, const Doorbell& bell) {
+  CheckRules check;
+  check.program = config.worker;
+  check.render_threads = config.worker_threads > 0 ? config.worker_threads : config.worker_threads_total;
+  JobRules rules;
+  rules.queued_of_one_owner_max = config.queued_per_owner_max;
+  rules.bytes_max = config.stored_bytes_max;
+  rules.bytes_of_one_owner_max = config.stored_bytes_per_owner_max;
+  rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
+  rules.check = make_check(check);
+  rules.work_arrived = [&bell] { bell.ring(); };
+  rules.cancel_requested = [&bell] { bell.ring(); };
+  return rules;
+}
+
+WorkerRules worker_rules(const Config& config) {
+  WorkerRules rules;
+  rules.program = config.worker;
+  rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
+  rules.cores_per_job = config.worker_threads > 0 ? config.worker_threads : rules.budget.cores;
+  if (config.worker_threads > 0 || config.worker_threads_total > 0)
+    rules.render_options = {"--threads", std::to_string(rules.cores_per_job)};
+  return rules;
+}
+
+HttpRules http_rules(const Config& config) {
+  HttpRules rules;
+  rules.host = config.host;
+  rules.port = config.port;
+  rules.upload_bytes_max = config.upload_bytes_max;
+  return rules;
+}
+
+GateRules gate_rules(const Config& config) {
+  GateRules rules;
+  rules.this_machine_only = is_loopback(config.host);
+  rules.tokens_required = !rules.this_machine_only && !config.insecure_public;
+  rules.proxies = config.proxies;
+  rules.rate.per_second = rate_limit(config);
+  rules.rate.burst = 4 * rules.rate.per_second;
+  return rules;
+}
+
+GateRules ops_gate_rules(const Config& config, const Address& ops) {
+  GateRules rules;
+  rules.this_machine_only = is_loopback(ops.host);
+  rules.tokens_required = !rules.this_machine_only && !config.insecure_public;
+  rules.never_asks = rules.this_machine_only;
+  return rules;
+}
+
+HttpRules ops_http_rules(const Address& ops) {
+  HttpRules rules;
+  rules.host = ops.host;
+  rules.port = ops.port;
+  rules.threads = kOpsThreads;
+  return rules;
+}
+
+api::Status start_worker_once(const std::filesystem::path& program) {
+  constexpr int kPatienceMs = 5000;
+  auto worker = ChildProcess::start(program, {"--version"});
+  if (!worker) return worker.error();
+  pollfd ended{worker->ended_descriptor(), POLLIN, 0};
+  if (::poll(&ended, 1, kPatienceMs) != 1) return api::Error{api::Fault::internal, "the worker hangs"};
+  if (worker->reap().exit_code != 0) return api::Error{api::Fault::internal, "the worker cannot be run"};
+  return api::Done{};
+}
+
+api::Status check_who_may_enter(const Config& config, const TokenFolder& tokens) {
+  if (is_loopback(config.host) || config.insecure_public) return api::Done{};
+  const auto known = tokens.list();
+  if (!known) return known.error();
+  const std::int64_t now = system_clock_ms();
+  for (const Token& token : *known)
+    if (!token.expires_ms || now < *token.expires_ms) return api::Done{};
+  return api::Error{
+      api::Fault::invalid_request,
+      "--listen: " + config.host +
+          " can be reached from other machines and there is no valid token, so nobody could be told "
+          "from a stranger; make one with\n  keylume-server token create NAME --data " +
+          config.data.string() +
+          "\nor listen on 127.0.0.1, or give --insecure-public where something else keeps strangers "
+          "out"};
+}
+
+}  // namespace server
