@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -110,6 +111,11 @@ int hang(const path&) {
   for (;;) std::this_thread::sleep_for(1h);
 }
 
+int compute_in_silence(const path&) {
+  for (std::atomic<unsigned> n = 0;; ++n) {
+  }
+}
+
 int lie_about_hash(const path& job) {
   publish(job, {{"radiosity.npy", "numbers", server::sha256_of("other numbers")}});
   return 0;
@@ -179,6 +185,7 @@ const std::vector<std::pair<std::string, std::function<int(const path&)>>> kBeha
     {"wait_for_term", wait_for_term},
     {"ignore_term", ignore_term},
     {"hang", hang},
+    {"compute_in_silence", compute_in_silence},
     {"nothing", [](const path&) { return 0; }},
     {"lie_about_hash", lie_about_hash},
     {"point_outside", point_outside},
