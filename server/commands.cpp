@@ -12,7 +12,9 @@ struct Command {
 };
 
 constexpr std::array kCommands{
-    Command{"token", run_token_command},
+    Command{"token", run_token_command},     Command{"backup", run_backup_command},
+    Command{"restore", run_restore_command}, Command{"check", run_check_command},
+    Command{"gc", run_gc_command},           Command{"migrate", run_migrate_command},
 };
 
 api::Error wrong(std::string message) {

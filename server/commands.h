@@ -44,5 +44,10 @@ int refuse_command(const api::Error& error, int exit_code);
 
 /// The commands, each with the words that follow its name. -> exit code
 int run_token_command(std::span<const std::string_view> words);
+int run_backup_command(std::span<const std::string_view> words);
+int run_restore_command(std::span<const std::string_view> words);
+int run_check_command(std::span<const std::string_view> words);
+int run_gc_command(std::span<const std::string_view> words);
+int run_migrate_command(std::span<const std::string_view> words);
 
 }  // namespace server

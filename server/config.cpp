@@ -215,6 +215,12 @@ other commands, each with --data DIR:
                           (default jobs:read,jobs:write). From the first one on the service asks for tokens
   token list              names, scopes and dates
   token revoke NAME       at once, also where a server runs
+  backup FOLDER           the database, tokens and files of all jobs into a new FOLDER, with SHA256SUMS; also while
+                          a server runs
+  restore FOLDER          a backup into a data folder that does not exist yet
+  check                   is the database whole, and every file as it was made? Also while a server runs
+  gc                      remove what a crash left and jobs whose time is over; a running server does so by itself
+  migrate                 bring the database to this version's schema; the server does so when it starts
 
 GET /openapi.json describes every request. SIGTERM stops the service within 10 s: no new connections, short
 requests end, running jobs leave a checkpoint and stay queued; a second SIGTERM ends it at once.

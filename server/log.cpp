@@ -14,6 +14,7 @@ namespace server {
 namespace {
 
 std::atomic<bool> as_json = false;
+thread_local std::string current_request_id;
 
 std::string now_text() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -29,6 +30,7 @@ std::string now_text() {
 
 std::string json_line(std::string_view message, std::initializer_list<LogField> fields) {
   api::Json line{{"time", now_text()}, {"message", message}};
+  if (!current_request_id.empty()) line["request_id"] = current_request_id;
   for (const LogField& field : fields)
     std::visit([&](const auto& value) { line[std::string(field.name)] = value; }, field.value);
   return api::json_text(line) + "\n";
@@ -54,6 +56,10 @@ std::string text_line(std::string_view message, std::initializer_list<LogField> 
 
 void set_log_format(LogFormat format) {
   as_json = format == LogFormat::json || (format == LogFormat::automatic && ::isatty(STDERR_FILENO) == 0);
+}
+
+void set_log_request_id(std::string request_id) {
+  current_request_id = std::move(request_id);
 }
 
 void log_line(std::string_view message) {

@@ -20,6 +20,9 @@ struct LogField {
   std::variant<std::string, std::int64_t, double> value;
 };
 
+/// Lines of this thread carry it from now on, until it is empty again.
+void set_log_request_id(std::string request_id);
+
 /// Any thread; lines of several threads do not mix. Names come from strangers: control characters are
 /// replaced or escaped.
 void log_line(std::string_view message);

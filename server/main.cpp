@@ -146,8 +146,12 @@ int run(const Config& config) {
   UploadLimits limits;
   limits.total_bytes = config.upload_bytes_max;
   add_upload_routes(router, jobs, *folder, limits);
-  Gate gate(tokens, gate_rules(config), system_clock_ms);
-  HttpServer http(router, gate, http_rules(config),
+  const GateRules gate_config = gate_rules(config);
+  const HttpRules http_config = http_rules(config);
+  add_limits_route(router, {limits, http_config.uploads_max, http_config.small_body_bytes_max,
+                            EventRules().listeners_max, gate_config.rate});
+  Gate gate(tokens, gate_config, system_clock_ms);
+  HttpServer http(router, gate, http_config,
                   [&](const Exchange& exchange) { tell_of_exchange(http_metrics, exchange); });
   const OpsSources sources{jobs,
                            **store,

@@ -17,6 +17,7 @@
 #include "server/http/library_answer.h"
 #include "server/http/library_request.h"
 #include "server/http/problem.h"
+#include "server/log.h"
 
 namespace server {
 namespace {
@@ -31,6 +32,7 @@ constexpr std::size_t kRequestIdBytesMax = 64;
 /// The request that this thread is answering: a thread has one at a time.
 thread_local HttpRequest current;
 thread_local std::string current_route;
+thread_local std::string current_id;
 thread_local std::optional<std::chrono::steady_clock::time_point> begun_at;  ///< none: we never saw it
 thread_local bool admitted = false;  ///< already, while the client waits to be told to go on
 thread_local std::vector<std::pair<std::string, std::string>> more_headers;  ///< for its answer
@@ -53,6 +55,12 @@ std::string new_request_id() {
     id += kDigits[byte & 15];
   }
   return id;
+}
+
+/// The client's, so that its log and ours can be matched, or a new one.
+std::string id_of(const httplib::Request& request) {
+  const std::string given = request.get_header_value("X-Request-Id");
+  return is_request_id(given) ? given : new_request_id();
 }
 
 /// Answers are data: no browser is to guess their type, run them, or show them inside another page.
@@ -151,8 +159,7 @@ struct HttpServer::Library {
       send(answer_to_exception(request.path, thrown), stopping, response);
     });
     server.set_post_routing_handler([this](const auto& request, auto& response) {
-      const std::string given = request.get_header_value("X-Request-Id");
-      const std::string id = is_request_id(given) ? given : new_request_id();
+      const std::string id = begun_at ? current_id : id_of(request);
       response.set_header("X-Request-Id", id);
       for (const auto& [name, value] : std::exchange(more_headers, {})) response.set_header(name, value);
       set_safe_headers(response);
@@ -160,6 +167,7 @@ struct HttpServer::Library {
       if (begun_at) --answering;
       if (tell) tell(exchange_of(id, request, response.status));
       begun_at.reset();
+      set_log_request_id("");
     });
   }
 
@@ -176,6 +184,8 @@ struct HttpServer::Library {
     take_over(request);
     current = request_of(request);
     begun_at = request.start_time_;
+    current_id = id_of(request);
+    set_log_request_id(current_id);
   }
 
   static bool streams(const FoundRoute& found) { return found.route && found.route->upload; }

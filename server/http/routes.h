@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "server/artefacts/data_folder.h"
+#include "server/auth/rate_limiter.h"
 #include "server/auth/token_folder.h"
 #include "server/events/event_hub.h"
 #include "server/http/message.h"
@@ -23,7 +24,17 @@ void add_result_routes(Router& router, JobService& jobs);
 void add_event_routes(Router& router, JobService& jobs, EventHub& hub);
 /// /v1/login, /v1/logout
 void add_login_routes(Router& router, TokenFolder& tokens, std::function<std::int64_t()> clock);
-/// /healthz, /version, /openapi.json
+/// What strangers' requests are held to.
+struct ServiceLimits {
+  UploadLimits upload;
+  std::size_t uploads_at_once = 0;
+  std::size_t small_body_bytes = 0;
+  std::size_t listeners = 0;
+  RateRules rate;
+};
+/// /v1/limits
+void add_limits_route(Router& router, const ServiceLimits& limits);
+/// /healthz, /version, /openapi.json, /docs
 void add_service_routes(Router& router);
 
 /// The uploads of POST /v1/jobs and /v1/validate, to be added after add_job_routes.
@@ -43,5 +54,8 @@ HttpAnswer json_answer(std::string body, int status = 200);
 
 /// The OpenAPI document as JSON, embedded when this was built.
 std::string_view openapi_json();
+/// The same for people, as HTML, and what its Content-Security-Policy says of its style.
+std::string_view docs_page();
+std::string_view docs_style_hash();
 
 }  // namespace server

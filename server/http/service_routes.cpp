@@ -13,16 +13,30 @@ HttpAnswer get_openapi() {
   return answer;
 }
 
+/// GET /docs, operationId getDocs.
+HttpAnswer get_docs() {
+  HttpAnswer answer;
+  answer.content_type = "text/html; charset=utf-8";
+  answer.body = docs_page();
+  static const std::string etag = sha256_of(docs_page());
+  answer.etag = etag;
+  answer.headers = {
+      {"Cache-Control", "no-cache"},
+      {"Content-Security-Policy", "default-src 'none'; style-src '" + std::string(docs_style_hash()) +
+                                      "'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}};
+  return answer;
+}
+
 }  // namespace
 
 void add_service_routes(Router& router) {
   router.add("GET", "/healthz", [](const auto&, const auto&) { return json_answer(R"({"status":"ok"})"); });
   router.add("GET", "/version", [](const auto&, const auto&) {
-    return json_answer(api::json_text({{"name", "keylume"},
-                                       {"version", KEYLUME_VERSION},
-                                       {"worker_sandbox", text_of(worker_sandbox())}}));
+    return json_answer(api::json_text(
+        {{"name", "keylume"}, {"version", KEYLUME_VERSION}, {"worker_sandbox", text_of(worker_sandbox())}}));
   });
   router.add("GET", "/openapi.json", [](const auto&, const auto&) { return get_openapi(); });
+  router.add("GET", "/docs", [](const auto&, const auto&) { return get_docs(); });
 }
 
 }  // namespace server

@@ -43,6 +43,7 @@ class AuthTest : public ServiceTest {
     add_event_routes(router_, *jobs_, *hub_);
     add_login_routes(router_, *tokens_, [] { return kNow; });
     add_ops_routes(router_, {*jobs_, *store_, *folder_, *hub_, http_metrics_, job_metrics_});
+    add_limits_route(router_, {});
     add_service_routes(router_);
     rules_.this_machine_only = false;
   }

@@ -1,0 +1,90 @@
+#include "server/store/maintenance.h"
+
+#include <sqlite3.h>
+
+#include <memory>
+
+namespace server {
+namespace {
+
+constexpr int kPagesAtOnce = 1000;
+constexpr int kWaitMs = 20;
+constexpr std::size_t kDamageMax = 100;
+
+struct CloseFile {
+  void operator()(sqlite3* handle) const { sqlite3_close(handle); }
+};
+using Handle = std::unique_ptr<sqlite3, CloseFile>;
+
+api::Result<Handle> open_handle(const std::filesystem::path& file, int flags) {
+  sqlite3* raw = nullptr;
+  const int code = sqlite3_open_v2(file.c_str(), &raw, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  Handle handle(raw);
+  if (code != SQLITE_OK)
+    return sqlite_error(code, file.string() + ": " + (raw ? sqlite3_errmsg(raw) : "no memory"));
+  sqlite3_busy_timeout(raw, 5000);
+  return api::Result<Handle>(std::move(handle));
+}
+
+}  // namespace
+
+api::Status copy_database(const std::filesystem::path& from, const std::filesystem::path& to) {
+  auto source = open_handle(from, SQLITE_OPEN_READONLY);
+  if (!source) return source.error();
+  auto target = open_handle(to, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_EXRESCODE);
+  if (!target) return target.error();
+  sqlite3_backup* backup = sqlite3_backup_init(target->get(), "main", source->get(), "main");
+  if (!backup) return sqlite_error(sqlite3_errcode(target->get()), sqlite3_errmsg(target->get()));
+  int code = SQLITE_OK;
+  while ((code = sqlite3_backup_step(backup, kPagesAtOnce)) == SQLITE_OK || code == SQLITE_BUSY ||
+         code == SQLITE_LOCKED)
+    if (code != SQLITE_OK) sqlite3_sleep(kWaitMs);
+  (void)sqlite3_backup_finish(backup);
+  if (code != SQLITE_DONE) return sqlite_error(code, sqlite3_errstr(code));
+  // The copy says WAL of itself, as the original does; written so, it stays a single file.
+  code = sqlite3_exec(target->get(), "PRAGMA journal_mode=DELETE", nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) return sqlite_error(code, sqlite3_errmsg(target->get()));
+  return api::Done{};
+}
+
+api::Result<std::vector<std::string>> damage_of(Database& database) {
+  std::vector<std::string> damage;
+  Statement whole = database.prepare("PRAGMA integrity_check(100)");
+  while (damage.size() < kDamageMax && whole.next())
+    if (whole.text(0) != "ok") damage.push_back("database: " + whole.text(0));
+  // A badly damaged file is told of by an error instead of rows.
+  if (const api::Status ok = whole.status(); !ok) damage.push_back("database: " + ok.error().message);
+  Statement keys = database.prepare("PRAGMA foreign_key_check");
+  while (damage.size() < kDamageMax && keys.next())
+    damage.push_back("database: a row of " + keys.text(0) + " refers to a row that is gone");
+  if (const api::Status ok = keys.status(); !ok && damage.empty())
+    damage.push_back("database: " + ok.error().message);
+  return damage;
+}
+
+api::Result<std::vector<KeptFile>> kept_files(Database& database) {
+  Statement select = database.prepare(
+      "SELECT job.id, artefact.path, artefact.bytes, artefact.sha256 FROM artefact JOIN job ON job.seq = "
+      "job_seq WHERE removing = 0 "
+      "ORDER BY job_seq, path");
+  std::vector<KeptFile> files;
+  while (select.next()) files.push_back({select.text(0), select.text(1), select.integer(2), select.text(3)});
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return files;
+}
+
+api::Result<std::vector<KeptJob>> kept_jobs(Database& database) {
+  Statement select =
+      database.prepare("SELECT id, state = 'succeeded' FROM job WHERE removing = 0 ORDER BY seq");
+  std::vector<KeptJob> jobs;
+  while (select.next()) jobs.push_back({select.text(0), select.integer(1) != 0});
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return jobs;
+}
+
+api::Status forget_job(Database& database, const std::string& id) {
+  Statement erase = database.prepare("DELETE FROM job WHERE id = ?");
+  return erase.bind(id).run();
+}
+
+}  // namespace server

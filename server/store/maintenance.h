@@ -1,0 +1,39 @@
+// Looking after a database: copies of it, and whether it is whole.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "api/result.h"
+#include "server/store/database.h"
+
+namespace server {
+
+/// A copy of the database as it is at one moment, by SQLite's online backup, while others write to it. `to`
+/// must not exist; it is one file, without -wal and -shm, and durable. Errors: disk_full, internal.
+api::Status copy_database(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// integrity_check and foreign_key_check in full: a sentence for each thing that is wrong, at most 100.
+api::Result<std::vector<std::string>> damage_of(Database& database);
+
+/// A job's file, as the database knows it.
+struct KeptFile {
+  std::string job_id;
+  std::string path;  ///< relative to the job's artefacts/ folder
+  std::int64_t bytes = 0;
+  std::string sha256;
+};
+api::Result<std::vector<KeptFile>> kept_files(Database& database);
+
+struct KeptJob {
+  std::string id;
+  bool succeeded = false;
+};
+/// Those being removed are left out.
+api::Result<std::vector<KeptJob>> kept_jobs(Database& database);
+/// Of a copy: the job was removed while its files were copied.
+api::Status forget_job(Database& database, const std::string& id);
+
+}  // namespace server
