@@ -52,7 +52,7 @@ class Metrics(ServiceTestCase):
         self.assertLess(times[-1], HEALTH_SECONDS_MAX)
 
     def log_of_port(self):
-        return re.search(r"listening on http://127\.0\.0\.1:(\d+)", (self.folder / "data.log").read_text())[1]
+        return re.search(r"listening on http:..127\.0\.0\.1:(\d+)", (self.folder / "data.log").read_text())[1]
 
     def test_metrics_follow_a_job(self):
         service = self.with_ops()

@@ -207,10 +207,10 @@ TEST_F(AuthTest, NobodyIsAskedBeforeThereIsATokenButForEverFromThenOn) {
 TEST_F(AuthTest, ACookieWritesOnlyFromOurOwnPages) {
   const std::string token = make("a");
   const std::string cookie = "theme=dark; keylume_token=" + token + "; x=y";
-  const Headers bare{{"Host", "keylume.example"}, {"Cookie", cookie}};
+  const Headers bare{{"Host", "localhost:8080"}, {"Cookie", cookie}};
   Headers ours = bare, theirs = bare;
-  ours["Origin"] = "https://keylume.example";
-  theirs["Origin"] = "https://elsewhere.example";
+  ours["Origin"] = "http://localhost:8080";
+  theirs["Origin"] = "http://example.com";
   for (const char* method : {"POST", "DELETE", "PATCH", "PUT"}) {
     const std::string path = std::string(method) == "POST" ? "/v1/jobs" : "/v1/jobs/x";
     EXPECT_EQ(refusal(request_to(method, path, bare)), 403) << method;
