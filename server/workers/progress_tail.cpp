@@ -31,6 +31,8 @@ ProgressTail::News ProgressTail::read() {
     if (auto file = open_below(job_folder_, kFile)) file_ = std::move(*file);
     if (!file_) return news;
   }
+  // A worker writes faster than we read: what counts is what it has written.
+  if (const auto size = size_of(file_)) written_ = *size - start_;
   std::vector<char> bytes(kReadBytesMax);
   const ssize_t count = ::pread(file_.get(), bytes.data(), bytes.size(), offset_);
   if (count <= 0) return news;
@@ -50,7 +52,7 @@ ProgressTail::News ProgressTail::read() {
 }
 
 bool ProgressTail::flooded() const {
-  return offset_ - start_ > kAttemptBytesMax || bad_lines_ > kBadLinesMax;
+  return written_ > kAttemptBytesMax || bad_lines_ > kBadLinesMax;
 }
 
 void ProgressTail::take_line(std::string_view line, News& news) {

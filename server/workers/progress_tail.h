@@ -34,6 +34,7 @@ class ProgressTail {
   FileHandle file_;
   std::int64_t start_ = 0;
   std::int64_t offset_ = 0;
+  std::int64_t written_ = 0;  ///< in this attempt
   std::string partial_;
   bool skipping_ = false;  ///< within a line that is too long
   std::uint32_t bad_lines_ = 0;

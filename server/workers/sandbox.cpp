@@ -14,7 +14,9 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -26,7 +28,7 @@ namespace server {
 namespace {
 
 constexpr long kCreateRuleset = 444;  // the same number on every architecture
-constexpr int kRoundsMax = 50;
+constexpr std::chrono::seconds kStraysMax{2};
 
 void lower(pid_t child, decltype(RLIMIT_CPU) resource, rlim_t most) {
   rlimit limit{};
@@ -60,18 +62,23 @@ std::optional<Kinship> kinship_of(pid_t pid) {
   return kinship;
 }
 
-std::vector<pid_t> strays(std::span<const pid_t> known) {
-  std::vector<pid_t> found;
+std::vector<pid_t> all_processes() {
+  std::vector<pid_t> all;
   const std::unique_ptr<DIR, int (*)(DIR*)> folder(::opendir("/proc"), ::closedir);
+  while (const dirent* entry = folder ? ::readdir(folder.get()) : nullptr)
+    if (const auto pid = static_cast<pid_t>(std::atoi(entry->d_name)); pid > 0) all.push_back(pid);
+  return all;
+}
+
+std::vector<pid_t> strays(std::vector<pid_t> among, std::span<const pid_t> known) {
   const pid_t self = ::getpid();
   const pid_t session = ::getsid(0);
-  while (const dirent* entry = folder ? ::readdir(folder.get()) : nullptr) {
-    const auto pid = static_cast<pid_t>(std::atoi(entry->d_name));
-    if (pid <= 0 || std::find(known.begin(), known.end(), pid) != known.end()) continue;
+  std::erase_if(among, [&](pid_t pid) {
+    if (std::find(known.begin(), known.end(), pid) != known.end()) return true;
     const auto kinship = kinship_of(pid);
-    if (kinship && kinship->parent == self && kinship->session != session) found.push_back(pid);
-  }
-  return found;
+    return !kinship || kinship->parent != self || kinship->session == session;
+  });
+  return among;
 }
 
 }  // namespace
@@ -110,8 +117,9 @@ void adopt_strays() {
 
 int kill_strays(std::span<const pid_t> known) {
   int killed = 0;
-  for (int round = 0; round < kRoundsMax; ++round) {
-    const std::vector<pid_t> found = strays(known);
+  const auto give_up = std::chrono::steady_clock::now() + kStraysMax;
+  while (std::chrono::steady_clock::now() < give_up) {
+    const std::vector<pid_t> found = strays(all_processes(), known);
     if (found.empty()) break;
     for (const pid_t pid : found) (void)::kill(pid, SIGKILL);
     for (const pid_t pid : found)

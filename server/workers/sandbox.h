@@ -34,7 +34,8 @@ void limit_child(pid_t child, const ChildLimits& limits);
 void adopt_strays();
 
 /// Kills and reaps the children of this process that it did not start: those in another session than its own
-/// and not among `known`. They may beget others meanwhile: it is tried a number of times.
+/// and not among `known`. They may beget others meanwhile: it is tried for up to
+/// 2 s, which is not enough for a chain of processes that each live for less than it takes to look for them.
 /// -> how many there were
 int kill_strays(std::span<const pid_t> known);
 
