@@ -295,11 +295,11 @@ api::Status add_key_frames(LimitBench& bench, const Ladder& ladder, const LimitR
   const auto times = [](double value, const std::string& who) {
     return value > 0 ? text_of("%.1f, ", value) + who : std::string("-");
   };
-  add_bar(bench, "against frame by frame at equal error, all frames solved", ">= 26 times",
+  add_bar(bench, "against frame by frame at equal error, all frames solved, best setting", ">= 26 times",
           times(best.full_times, best.full), best.full_times >= kFullTimes);
-  add_bar(bench, "the same with key-frames, interpolation well below the noise", ">= 55 times",
+  add_bar(bench, "the same with key-frames, interpolation well below the noise, best setting", ">= 55 times",
           times(best.key_times, best.keys), best.key_times >= kKeyTimes);
-  add_bar(bench, "estimation against all frames solved", "<= 3 %",
+  add_bar(bench, "estimation against all frames solved, best setting", "<= 3 %",
           best.estimated.empty() ? "-" : percent(best.estimation).text + ", " + best.estimated,
           !best.estimated.empty() && best.estimation <= kEstimation);
   return api::Done{};

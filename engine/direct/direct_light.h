@@ -58,7 +58,7 @@ struct DirectLight {
 ///
 /// F is the mean over the patch of the closed form factor to the light; of a light without surface, of
 /// cos / r^2, or cos (arrival.h). Where the light is away from the patch by some times its size, F comes from
-/// a fixed rule, exact to 1e-4 (TileView: it depends on where the two are and on nothing else); else from the
+/// a fixed rule, exact to 1e-4 or so (kApartRadii, TileView: it depends on where the two are and on nothing else); else from the
 /// points x_s. b_s in {0, 1} tells whether the ray from x_s to y_s is blocked, a hair off the surfaces at
 /// both ends (clearance_m); w_s is what it would carry by what it was likely to be drawn (join). So H has no
 /// noise where nothing is hidden, and is exactly 0 where everything is; as a ratio it is off by less than the

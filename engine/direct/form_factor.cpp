@@ -20,9 +20,12 @@ struct ClippedPolygon {
   }
 };
 
-/// The part of the polygon above the horizon, as vectors from the point (Sutherland & Hodgman).
+/// The part of the polygon above the horizon, as vectors from the point (Sutherland & Hodgman). A convex polygon
+/// crosses it twice at most. Where it seems to cross it more often it lies in the horizon's plane, its corners
+/// above and below by rounding alone: nothing of it is seen.
 ClippedPolygon above_horizon(Vec3 point, Vec3 normal, std::span<const Vec3> corners) {
   ClippedPolygon clipped;
+  int crossings = 0;
   Vec3 previous = corners.back() - point;
   float previous_height = dot(previous, normal);
   for (const Vec3 corner : corners) {
@@ -31,11 +34,13 @@ ClippedPolygon above_horizon(Vec3 point, Vec3 normal, std::span<const Vec3> corn
     if ((height > 0) != (previous_height > 0)) {
       const float t = previous_height / (previous_height - height);
       clipped.add(previous + t * (current - previous));
+      ++crossings;
     }
     if (height > 0) clipped.add(current);
     previous = current;
     previous_height = height;
   }
+  if (crossings > 2) clipped.count = 0;
   return clipped;
 }
 

@@ -158,10 +158,12 @@ PatchSeries CoarseExchange::correction(const PatchSeries& residual) const {
 }
 
 float largest_value(const PatchSeries& series) {
-  float largest = 0;
-  for (const Rgb& value : series.values)
+  float largest = 0, nothing = 0;
+  for (const Rgb& value : series.values) {
     largest = std::max({largest, std::abs(value.r), std::abs(value.g), std::abs(value.b)});
-  return largest;
+    nothing += 0.0f * (value.r + value.g + value.b);  // of what is infinite or no number: no number
+  }
+  return largest + nothing;
 }
 
 }  // namespace engine

@@ -55,7 +55,7 @@ class CoarseExchange {
   std::vector<Rgb> matrix_;           ///< (1 - K_G)^-1 K_G, [group][group]
 };
 
-/// The largest channel of all values.
+/// The largest channel of all values; no number where one of them is infinite or none.
 float largest_value(const PatchSeries& series);
 
 /// Calls use(group) for all groups from several threads. False where it was told to stop.

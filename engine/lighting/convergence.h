@@ -37,7 +37,10 @@ struct Scale {
   double reflectance = 0;  ///< the largest, rho
 };
 
-/// Follows the largest changes of the iterations.
+/// Follows the largest changes of the iterations. That rows of T_f sum to no more than 1 holds of what they
+/// are samples of: T_s and M_f come from different lines, so single rows may have entries below 0 and sum to
+/// more in absolute value. Such errors go up and down from patch to patch, and die out as others do: of n
+/// crossings by n^-1/2.
 class ConvergenceTest {
  public:
   /// enough: what may be left, relative to the mean.
@@ -48,7 +51,7 @@ class ConvergenceTest {
   void add(double change, double correction, const Scale& scale, Convergence& state) {
     const double mean = scale.mean;
     const double rho = std::min(scale.reflectance, kReflectanceMost);
-    double left = change * rho / (1 - rho);  // no row of T sums to more than 1
+    double left = change * rho / (1 - rho);  // no row of T_f sums to more than 1
     if (last_ > 0) {
       const double now = std::min(change / last_, kReflectanceMost);
       const double ratio = std::max({now, ratios_[0], ratios_[1]});
@@ -56,6 +59,8 @@ class ConvergenceTest {
       ratios_ = {ratios_[1], now};
     }
     state.error_left = mean > 0 ? left / mean : 0;
+    if (!std::isfinite(change) || !std::isfinite(correction))
+      state.error_left = std::numeric_limits<double>::infinity();
     state.converged = state.error_left <= enough_;
     last_ = change;
     if (change <= 0.5 * halved_from_) {

@@ -48,6 +48,8 @@ api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& 
     const PatchSeries correction = coarse.correction(residual);
     test.add(changes.empty() ? 0 : *std::max_element(changes.begin(), changes.end()),
              largest_value(correction), scale_of(patches, radiosity.values, reflectance), light.convergence);
+    if (!std::isfinite(light.convergence.error_left))
+      return api::Error{api::Fault::internal, "the light of the scene at rest grew without end"};
     progress.report(test.fraction(light.convergence));
     const bool ends = test.may_end(light.convergence);
     for (std::uint32_t group = 0; group < coarse.group_count(); ++group)

@@ -1,6 +1,8 @@
 #include "engine/lighting/solve_difference.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "engine/lighting/carried_rows.h"
@@ -20,6 +22,7 @@ std::vector<FrameIndex> frames_of(const WindowScene& window, const Columns& colu
 
 /// Of what lines carry, R_s + r.
 Scale scale_of(const WindowScene& window, const CarriedRows& rows, const PatchSeries& r) {
+  if (r.patch_count == 0) return {};
   std::vector<double> sums(r.patch_count), largest(r.patch_count), reflectance(r.patch_count);
   for_each_patch(r.patch_count, {}, [&](PatchId patch) {
     for (std::uint32_t c = 0; c < r.frame_count; ++c) {
@@ -37,6 +40,37 @@ Scale scale_of(const WindowScene& window, const CarriedRows& rows, const PatchSe
           *std::max_element(reflectance.begin(), reflectance.end())};
 }
 
+/// How much of the corrections is taken, of each channel of each column. They are those of the scene at rest,
+/// K_G, with reflectances that are means over all frames: where a frame reflects less (K_f), or things that
+/// move take the light away, they go too far, and beyond K_G > (1 + K_f) / 2 each further than the last one.
+class CorrectionShares {
+ public:
+  explicit CorrectionShares(std::uint32_t columns) : shares_(3 * std::size_t{columns}, 1.0f) {}
+
+  /// residual: in groups, as this iteration has left it. Where it has not become clearly less, g times as
+  /// much as before, an error e became -g e or so, of K_f e - c e with some K_f in (0, 1): a share of the
+  /// correction that is K_f / (K_f + g) of the last one would have left none.
+  void look_at(const PatchSeries& residual) {
+    constexpr float kClearlyLess = 0.7f, kReflected = 0.5f;
+    std::vector<float> largest(shares_.size(), 0.0f);
+    for (std::uint32_t group = 0; group < residual.patch_count; ++group)
+      for (std::size_t k = 0; k < largest.size(); ++k)
+        largest[k] = std::max(largest[k], std::abs((&residual.row(group)->r)[k]));
+    for (std::size_t k = 0; k < shares_.size() && !last_.empty(); ++k) {
+      const float grown = last_[k] > 0 ? largest[k] / last_[k] : 0.0f;
+      if (grown > kClearlyLess) shares_[k] *= kReflected / (kReflected + grown);
+    }
+    last_ = std::move(largest);
+  }
+  void take_of(PatchSeries& correction) const {
+    for (std::uint32_t group = 0; group < correction.patch_count; ++group)
+      for (std::size_t k = 0; k < shares_.size(); ++k) (&correction.row(group)->r)[k] *= shares_[k];
+  }
+
+ private:
+  std::vector<float> shares_, last_;
+};
+
 /// Iterates r <- s + rho D, D = M (R_s + r) + T_s r.
 class DifferenceSolver {
  public:
@@ -48,7 +82,10 @@ class DifferenceSolver {
         coarse_(window.transport.coarse),
         rows_(window.lit, window.source, window.rest, frames_of(window, columns)),
         moving_(window.lines, columns, window.rest.radiosity_w_m2, rows_),
+        shares_(columns.count()),
         r_(window.lit.patches.count(), columns.count()) {
+    for (const PatchId patch : coarse_.others())
+      if (window.lines.crossings.moving_row[patch] == kNoPatch) alone_.push_back(patch);
     light_.irradiance_w_m2 = PatchSeries(r_.patch_count, columns.count());
     for_each_patch(r_.patch_count, {}, [&](PatchId patch) { carry_on(patch); });
     scale_ = scale_of(window, rows_, r_);
@@ -64,10 +101,15 @@ class DifferenceSolver {
       const auto at_rest = gather(residual, progress);
       if (!at_rest) return at_rest.error();
       change = std::max(*at_rest, of_moving);
-      const PatchSeries correction = coarse_.correction(residual);
+      PatchSeries correction = coarse_.correction(residual);
       test.add(change, largest_value(correction), scale_, light_.convergence);
+      if (!std::isfinite(light_.convergence.error_left))
+        return api::Error{api::Fault::internal,
+                          "the light that differs from the scene at rest grew without end"};
       progress.report(test.fraction(light_.convergence));
       if (test.may_end(light_.convergence)) return api::Done{};
+      shares_.look_at(residual);
+      shares_.take_of(correction);
       carry_on(correction);
     }
   }
@@ -94,6 +136,9 @@ class DifferenceSolver {
         changes[group] = std::max(changes[group], gather(patch, residual.row(group)));
     });
     if (!went_on) return api::Error{api::Fault::stopped, "stopped while solving"};
+    std::vector<Rgb> of_none(columns_.count());
+    for (const PatchId patch : alone_)
+      changes.back() = std::max(changes.back(), gather(patch, of_none.data()));
     return *std::max_element(changes.begin(), changes.end());
   }
 
@@ -121,6 +166,7 @@ class DifferenceSolver {
         for (std::uint32_t c = 0; c < columns_.count(); ++c) r[c] += of_group[c];
       }
     });
+    for (const PatchId patch : alone_) carry_on(patch);
   }
 
   /// Of the mean: what the first iteration changes, about; and of what iterations change the rest: what is
@@ -133,6 +179,8 @@ class DifferenceSolver {
   const CoarseExchange& coarse_;
   const CarriedRows rows_;
   MovingLight moving_;
+  CorrectionShares shares_;
+  std::vector<PatchId> alone_;  ///< at rest, and in no group since no line of T_s met them
   PatchSeries r_;
   Scale scale_;
   DifferenceLight light_;

@@ -86,12 +86,18 @@ class Bundle {
   int a_ = 0, b_ = 0;
 };
 
+/// Of the lines of a bundle, in mean edges of patches: so far that hardly two of them meet one patch. At one
+/// edge they do, the more the steeper they come, so that of what a patch is met by too much is steep: light
+/// from straight ahead was 4 % too bright with 2 crossings per patch, 1.2 % with 9. At two it is not found
+/// any more.
+constexpr double kEdgesApart = 2;
+
 /// 0 for few patches.
 float bundle_spacing_m(const Patches& patches) {
   if (patches.count() < kPatchesForBundles) return 0;
   double area_m2 = 0;
   for (const float area : patches.area_m2) area_m2 += area;
-  return static_cast<float>(std::sqrt(area_m2 / patches.count()));
+  return static_cast<float>(kEdgesApart * std::sqrt(area_m2 / patches.count()));
 }
 
 }  // namespace

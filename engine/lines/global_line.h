@@ -21,7 +21,7 @@ struct LineBox {
 inline constexpr std::uint32_t kPatchesForBundles = 2048;
 
 /// The box of the whole animation, a thousandth of its diagonal larger on every side, so that lines start
-/// off the walls and a flat scene has a box too. Lines of a bundle are a mean patch's edge apart.
+/// off the walls and a flat scene has a box too. Lines of a bundle are two mean patches' edges apart.
 LineBox line_box(const Patches& patches, const Animation& animation);
 
 double surface_m2(const LineBox& box);
@@ -32,7 +32,7 @@ double surface_m2(const LineBox& box);
 ///
 /// The lines of a bundle share their direction and stand in a lattice of 4 x 4, which is continued on the
 /// other side of the face where it ends: so each of them has the density of a single line, and none misses
-/// the box. They pass through different patches, so that little is lost (.8 % of the error in the garage),
+/// the box. They pass through different patches, so that little is lost,
 /// and what one of them meets its neighbours meet: they are traced together.
 ///
 /// Why on the box: lines that meet a convex body are uniform when they enter it uniformly and with a cosine,

@@ -37,7 +37,7 @@ double area_m2(const Scene& scene, const Polygon& polygon) {
 /// What there is to be lit, and to be hit.
 struct Surfaces {
   double area_m2 = 0, moving_m2 = 0, reflected_m2 = 0;
-  double facets = 0;
+  double facets = 0, moving_facets = 0;
 };
 
 Surfaces survey(const Scene& scene, const Animation& animation) {
@@ -45,10 +45,13 @@ Surfaces survey(const Scene& scene, const Animation& animation) {
   for (const Polygon& polygon : scene.polygons) {
     const double area = area_m2(scene, polygon);
     all.area_m2 += area;
-    if (!animation.objects[polygon.object].is_static(animation.frame_count)) all.moving_m2 += area;
     all.reflected_m2 += area * max_channel(scene.materials[polygon.material].reflectance);
     // Most have four corners and are one facet, or three.
-    all.facets += polygon.corner_count <= 4 ? 1 : polygon.corner_count - 2;
+    const double facets = polygon.corner_count <= 4 ? 1 : polygon.corner_count - 2;
+    all.facets += facets;
+    if (animation.objects[polygon.object].is_static(animation.frame_count)) continue;
+    all.moving_m2 += area;
+    all.moving_facets += facets;
   }
   return all;
 }
@@ -168,6 +171,7 @@ JobSize size_of_job(const api::JobRequest& request, const Scene& scene, const An
   size.coarse_patches = static_cast<double>(coarse_patches);
   size.frames = animation.frame_count;
   size.moving_share = surfaces.moving_m2 / surfaces.area_m2;
+  size.moving_facets = surfaces.moving_facets;
   size.solved_frames = expected_solved_frames(lighting, size.frames,
                                               size.moving_share > 0 || light_changes(animation.emission));
   size.lights = emitting_facets(scene, animation) + static_cast<double>(animation.emission.sources.size());

@@ -19,6 +19,7 @@ struct JobSize {
   double frames = 1;
   double solved_frames = 1;  ///< expected; known once the key-frames are chosen
   double moving_share = 0;   ///< of the area, 0 .. 1: surfaces that move or disappear in some frame
+  double moving_facets = 0;  ///< of these
   double lights = 0;         ///< emitting facets, and lights without a surface
   double light_samples = 0;  ///< shadow rays per patch and light
   double lines = 0, moving_lines = 0, estimate_lines = 0;

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "engine/pipeline/forecast.h"
+#include "engine/visibility/ray_scene.h"
 
 namespace engine {
 namespace {
@@ -36,13 +37,23 @@ double estimate_lines_s(const JobSize& n, const MachinePace& m) {
   return 5 * n.estimate_lines * m.line_s + 1.6 * updates(n, n.estimate_lines, n.frames) * m.update_s;
 }
 
+/// Frames that are traced together at most.
+double window(const JobSize& n) {
+  return std::min(n.frames, static_cast<double>(kWindowMax));
+}
+
+/// Lines through each patch that moves, in every frame: global ones meet it too rarely.
+double local_lines(const JobSize& n, double frames) {
+  return 8 * std::max(n.moving_share * n.patches, n.moving_facets) * frames;
+}
+
 /// What moves is traced in every frame and solved as a difference in those that are solved, by some eight
 /// iterations for each replicate.
 double difference_s(const JobSize& n, const MachinePace& m) {
   if (n.moving_share == 0) return 0;
   const double rows = 0.8 * n.moving_lines * n.crossings_per_line + 4 * n.replicates * n.patches;
   return 8 * rows * n.solved_frames * m.update_s + 12 * n.replicates * n.patches * n.frames * m.update_s +
-         1.6 * n.moving_lines * m.line_s;
+         1.6 * n.moving_lines * m.line_s + n.replicates * local_lines(n, n.frames) * m.line_s;
 }
 
 constexpr std::array kCosts{
@@ -92,9 +103,16 @@ double traced_bytes(const JobSize& size, double lines) {
 double estimate_bytes(const JobSize& n) {
   return 17 * series_bytes(n.coarse_patches, n.frames) + traced_bytes(n, n.estimate_lines / 4);
 }
+/// What moves, at every pose of a window: boxes and tests of facets for lines and, unless there are too many,
+/// for shadow rays; and what the lines through it keep.
+double moving_bytes(const JobSize& n) {
+  constexpr double kListedMax = 8192;
+  const double per_facet = n.moving_facets <= kListedMax ? 400 : 200;
+  return per_facet * n.moving_facets * window(n) + 24 * local_lines(n, window(n));
+}
 double solve_bytes(const JobSize& n) {
   return series_bytes(n.patches, n.frames) + 3 * series_bytes(n.patches, n.solved_frames) +
-         traced_bytes(n, n.lines / n.replicates);
+         traced_bytes(n, n.lines / n.replicates) + moving_bytes(n);
 }
 double compose_bytes(const JobSize& n) {
   return (2 + n.series) * series_bytes(n.patches, n.frames) + series_bytes(n.patches, n.solved_frames);

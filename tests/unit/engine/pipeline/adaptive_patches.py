@@ -51,7 +51,7 @@ newmtl lamp
 Kd 0 0 0
 Ke 200 200 180
 """
-#The panel has a corner that points inwards : 2 x 2 less the triangle(2, 0), (2, 2), (1.1, 0.7).
+# The panel has a corner that points inwards: 2 x 2 less the triangle (2, 0), (2, 2), (1.1, 0.7).
 AREAS_M2 = {"floor": 16, "panel": 4 - 0.5 * 2 * 0.9, "card": 0.52 ** 2, "lamp": 0.04}
 FRAMES, PATCHES_MAX, PATCH_EDGE_M = 3, 2000, 0.2
 JOB = {
@@ -71,15 +71,15 @@ def rendered(folder, threads):
         (folder / "input" / name).write_text(text)
     subprocess.run([sys.argv[1], "render", folder, "--threads", str(threads)], check=True, stdin=subprocess.DEVNULL,
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    return {path.name: path.read_bytes() for path in (folder / "artefacts").iterdir() if path.is_file()
-}
+    return {path.name: path.read_bytes() for path in (folder / "artefacts").iterdir() if path.is_file()}
+
 
 def of_material(p, name):
     return p["material"] == p["material_names"].tolist().index(name)
 
 
 def check_areas(p):
-#Half the cross product of the diagonals is area and normal, of three corners(the last twice) or four.
+    # Half the cross product of the diagonals is area and normal, of three corners (the last twice) or four.
     corners = p["corners"].astype(float)
     vector = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
     np.testing.assert_allclose(vector, p["normal"] * p["area_m2"][:, None], atol=2e-6)
@@ -100,8 +100,7 @@ def floor_cells(p):
     assert (p["corners"][of_floor][:, :, 2] == 0).all()
     low, high = corners.min(axis=1), corners.max(axis=1)
     for cell, a, b in zip(corners, low, high):
-        assert {tuple(c) for c in cell
-} == {(a[0], a[1]), (b[0], a[1]), (b[0], b[1]), (a[0], b[1])}
+        assert {tuple(c) for c in cell} == {(a[0], a[1]), (b[0], a[1]), (b[0], b[1]), (a[0], b[1])}
     np.testing.assert_allclose((high - low)[:, 0], (high - low)[:, 1], rtol=1e-5)
     return low, high
 

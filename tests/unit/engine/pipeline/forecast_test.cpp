@@ -48,6 +48,15 @@ TEST(Forecast, MoreOfAnythingTakesLongerAndNoLessMemory) {
   }
 }
 
+// Each is held at every pose of a window of frames, and lines go through each in every frame.
+TEST(Forecast, KnowsOfThousandsOfFacetsThatMove) {
+  JobSize few = a_size(), many = a_size();
+  few.moving_facets = 20;
+  many.moving_facets = 20'000;
+  EXPECT_GT(forecast_memory_bytes(many), forecast_memory_bytes(few) + 150'000'000);
+  EXPECT_GT(seconds_of(many), seconds_of(few));
+}
+
 TEST(Forecast, TwiceTheCoresHalveWhatIsDoneInParallel) {
   MachinePace four = kPace;
   four.cores = 2 * kPace.cores;
