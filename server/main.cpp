@@ -25,6 +25,7 @@
 #include "server/stop_deadline.h"
 #include "server/store/job_store.h"
 #include "server/workers/supervisor.h"
+#include "server/workers/view_service.h"
 
 namespace {
 
@@ -140,7 +141,9 @@ int run(const Config& config) {
   JobMetrics job_metrics;
   Router router, ops_router;
   add_job_routes(router, jobs);
-  add_result_routes(router, jobs);
+  ViewService views(jobs, *folder, view_rules(config));
+  add_result_routes(router, jobs, &views);
+  add_view_routes(router, jobs, views);
   add_event_routes(router, jobs, hub);
   add_login_routes(router, tokens, system_clock_ms);
   UploadLimits limits;
@@ -174,6 +177,7 @@ int run(const Config& config) {
   if (const api::Status clean = jobs.clean_up(); !clean) return refuse_command(clean.error(), kExitFailed);
   const api::Status watching = hub.start([&](const JobEvent& event) { job_metrics.take(event); });
   if (!watching) return refuse_command(watching.error(), kExitFailed);
+  views.take_up_again();
   Supervisor supervisor(jobs, *bell, worker_rules(config));
   if (const api::Status started = supervisor.start(); !started)
     return refuse_command(started.error(), kExitFailed);

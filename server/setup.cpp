@@ -31,6 +31,14 @@ JobRules job_rules(const Config& config, const Doorbell& bell) {
   return rules;
 }
 
+ViewRules view_rules(const Config& config) {
+  ViewRules rules;
+  rules.program = config.worker;
+  rules.threads = config.worker_threads;
+  rules.ffmpeg = find_ffmpeg();
+  return rules;
+}
+
 WorkerRules worker_rules(const Config& config) {
   WorkerRules rules;
   rules.program = config.worker;

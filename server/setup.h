@@ -10,10 +10,12 @@
 #include "server/jobs/job_service.h"
 #include "server/workers/doorbell.h"
 #include "server/workers/supervisor.h"
+#include "server/workers/view_service.h"
 
 namespace server {
 
 JobRules job_rules(const Config& config, const Doorbell& bell);
+ViewRules view_rules(const Config& config);
 WorkerRules worker_rules(const Config& config);
 HttpRules http_rules(const Config& config);
 /// Of the second listener.

@@ -122,6 +122,19 @@ api::Status write_all(const FileHandle& file, std::string_view bytes) {
   return api::Done{};
 }
 
+api::Status write_durably(const std::filesystem::path& path, std::string_view bytes) {
+  const std::filesystem::path temporary = path.parent_path() / (".tmp." + path.filename().string());
+  {
+    const FileHandle file(
+        ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+    if (!file) return file_error(path.string(), errno);
+    if (auto written = write_all(file, bytes); !written) return written;
+    if (::fsync(file.get()) != 0) return file_error(path.string(), errno);
+  }
+  if (::rename(temporary.c_str(), path.c_str()) != 0) return file_error(path.string(), errno);
+  return sync_folder(path.parent_path());
+}
+
 api::Status sync_folder(const std::filesystem::path& folder) {
   const FileHandle handle(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!handle || ::fsync(handle.get()) != 0) return file_error(folder.string(), errno);

@@ -48,6 +48,9 @@ api::Result<std::int64_t> size_of(const FileHandle& file);
 api::Result<std::string> read_below(const std::filesystem::path& folder, std::string_view relative,
                                     std::int64_t bytes_max);
 
+/// Replaces the file `path`: temporary name, fsync, rename, fsync of the folder.
+api::Status write_durably(const std::filesystem::path& path, std::string_view bytes);
+
 /// Writes all of `bytes`, however many calls that takes.
 api::Status write_all(const FileHandle& file, std::string_view bytes);
 

@@ -118,6 +118,7 @@ Json json_of(const Job& job, const api::FrameRecord& frame, const FrameImages& i
   for (const FrameImages::Camera& camera : images.cameras) {
     Json entry{{"camera", camera.name}};
     if (camera.png) entry["png"] = path + "/image.png?camera=" + camera.name;
+    if (camera.jpg) entry["jpg"] = path + "/image.jpg?camera=" + camera.name;
     if (camera.exr) entry["exr"] = path + "/image.exr?camera=" + camera.name;
     cameras.push_back(std::move(entry));
   }
@@ -215,6 +216,7 @@ std::vector<FrameImages> images_by_frame(const std::vector<ArtefactFile>& artefa
                                [&](const FrameImages::Camera& c) { return c.name == image->camera; });
     if (camera == cameras.end()) camera = cameras.insert(cameras.end(), {std::string(image->camera)});
     if (image->extension == "png") camera->png = true;
+    if (image->extension == "jpg") camera->jpg = true;
     if (image->extension == "exr") camera->exr = true;
   }
   return frames;

@@ -36,6 +36,7 @@ struct FrameImages {
   struct Camera {
     std::string name;
     bool png = false;
+    bool jpg = false;
     bool exr = false;
   };
   std::vector<Camera> cameras;  ///< by name

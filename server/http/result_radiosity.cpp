@@ -286,6 +286,12 @@ HttpAnswer query_series(JobService& jobs, const Job& job, const HttpRequest& req
 
 }  // namespace
 
+std::string image_file(std::uint32_t frame, std::string_view extension) {
+  std::array<char, 32> begin{};
+  std::snprintf(begin.data(), begin.size(), "%04u.", frame);
+  return begin.data() + std::string(extension);
+}
+
 std::string frame_file(std::uint32_t frame, std::string_view rest) {
   std::array<char, 32> begin{};
   std::snprintf(begin.data(), begin.size(), "frame-%04u-", frame);

@@ -33,16 +33,17 @@ api::Result<std::string> camera_of(JobService& jobs, const Job& job, const HttpR
   return api::Error{api::Fault::invalid_request, "which camera? There are " + names};
 }
 
-/// GET .../frames/{f}/image.png and image.exr
-HttpAnswer image(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues& values,
-                 std::string_view extension) {
+/// GET .../frames/{f}/image.png, image.jpg and image.exr
+HttpAnswer image(JobService& jobs, ViewService* views, const Job& job, const HttpRequest& request,
+                 const PathValues& values, const std::string& extension) {
   const auto frame = frame_of(job, values);
   if (!frame) return problem(frame.error(), request.path);
+  if (job.state != api::JobState::succeeded) return early_picture(jobs, job, request, *frame, extension);
   const auto camera = camera_of(jobs, job, request, *frame);
   if (!camera && camera.error().fault == api::Fault::invalid_request)
     return bad_parameter("camera", "missing", camera.error().message, request.path);
   if (!camera) return problem(camera.error(), request.path);
-  return artefact_answer(jobs, job, request, image_path(*camera, *frame, extension));
+  return picture_answer(jobs, views, job, request, {*camera, *frame, extension});
 }
 
 /// GET .../frames/{f}/radiosity.npy, operationId getFrameRadiosity.
@@ -119,21 +120,23 @@ HttpAnswer named_artefact(JobService& jobs, const Job& job, const HttpRequest& r
   return artefact_answer(jobs, job, request, values.at("file"));
 }
 
-JobHandler image_of(std::string extension) {
-  return [extension = std::move(extension)](JobService& jobs, const Job& job, const HttpRequest& request,
-                                            const PathValues& values) {
-    return image(jobs, job, request, values, extension);
+JobHandler image_of(ViewService* views, std::string extension) {
+  return [views, extension = std::move(extension)](JobService& jobs, const Job& job,
+                                                   const HttpRequest& request, const PathValues& values) {
+    return image(jobs, views, job, request, values, extension);
   };
 }
 
 }  // namespace
 
-void add_result_routes(Router& router, JobService& jobs) {
+void add_result_routes(Router& router, JobService& jobs, ViewService* views) {
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/key-frames", artefact_at("key_frames.json"));
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames", list_frames);
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}", get_frame);
-  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/image.png", image_of("png"));
-  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/image.exr", image_of("exr"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/image.png", image_of(views, "png"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/image.jpg", image_of(views, "jpg"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/image.exr", image_of(views, "exr"));
+  add_early_routes(router, jobs);
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/radiosity.npy", frame_radiosity);
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/radiosity.npy", artefact_at("radiosity.npy"));
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/patches.npz", artefact_at("patches.npz"));

@@ -13,13 +13,16 @@
 #include "server/http/router.h"
 #include "server/http/upload_receiver.h"
 #include "server/jobs/job_service.h"
+#include "server/workers/view_service.h"
 
 namespace server {
 
 /// /v1/jobs, /v1/jobs/{id}, /v1/jobs/{id}/cancel
 void add_job_routes(Router& router, JobService& jobs);
 /// /v1/jobs/{id}/key-frames, frames, images, radiosity, patches, manifest, report, log
-void add_result_routes(Router& router, JobService& jobs);
+void add_result_routes(Router& router, JobService& jobs, ViewService* views = nullptr);
+/// /v1/jobs/{id}/views, videos
+void add_view_routes(Router& router, JobService& jobs, ViewService& views);
 /// /v1/events, /v1/jobs/{id}/events
 void add_event_routes(Router& router, JobService& jobs, EventHub& hub);
 /// /v1/login, /v1/logout

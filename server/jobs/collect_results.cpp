@@ -126,6 +126,19 @@ api::JobReport read_report_file(const std::filesystem::path& job_folder, std::st
 
 }  // namespace
 
+api::JobReport read_report_at(const std::filesystem::path& folder, std::string_view file) {
+  return read_report_file(folder, file);
+}
+
+api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder) {
+  const auto manifest = read_below(folder, kManifest, kManifestBytesMax);
+  if (!manifest) return manifest.error();
+  auto files = parse_manifest(*manifest);
+  if (!files) return files;
+  if (const api::Status whole = check(folder, *files); !whole) return whole.error();
+  return files;
+}
+
 api::JobReport read_report(const std::filesystem::path& job_folder) {
   return read_report_file(job_folder, "report.json");
 }

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "api/job_report.h"
 #include "api/result.h"
@@ -13,6 +15,12 @@ namespace server {
 /// artefacts/manifest.json and artefacts/key_frames.json of `job_folder`; every listed file is checked for
 /// size and SHA-256, and manifest.json is added to the list. Errors: invalid_request saying what is wrong.
 api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count);
+
+/// The same of any folder with a manifest.json, without key-frames: its files, manifest.json not among them.
+api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder);
+
+/// `file` of `folder` as a report, checked; none or a broken one: an empty report.
+api::JobReport read_report_at(const std::filesystem::path& folder, std::string_view file);
 
 /// check.json, which `keylume check` leaves, checked; none or a broken one: an empty report.
 api::JobReport read_check_report(const std::filesystem::path& job_folder);

@@ -242,6 +242,8 @@ TEST_F(ServiceTest, EveryRouteIsInTheContractAndTheReverse) {
   Router router;
   add_job_routes(router, *jobs_);
   add_result_routes(router, *jobs_);
+  ViewService views(*jobs_, *folder_, {});
+  add_view_routes(router, *jobs_, views);
   const auto events = EventReader::open(folder_->database());
   ASSERT_TRUE(events);
   EventHub hub(**events);

@@ -1,0 +1,157 @@
+// Videos, by ffmpeg: our own limited child, told by arguments, without a shell.
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "server/artefacts/verify.h"
+#include "server/workers/run_child.h"
+#include "server/workers/view_service.h"
+
+namespace server {
+namespace {
+
+constexpr std::size_t kSumBytes = 64;
+
+/// In the name of a sequence of pictures % begins a number.
+std::string without_percent(const std::string& path) {
+  std::string out;
+  for (const char c : path) out.append(c == '%' ? 2 : 1, c);
+  return out;
+}
+
+std::vector<std::string> arguments_for(const std::filesystem::path& pictures, double fps,
+                                       const std::string& extension, const std::filesystem::path& to) {
+  std::array<char, 32> rate{};
+  std::snprintf(rate.data(), rate.size(), "%.6f", fps);
+  // 4:2:0 has half as many colours each way, so the size must be even: an odd one gets a black row or column.
+  const std::string filter =
+      "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=in_range=pc:out_range=tv:out_color_matrix=bt709,format=yuv420p";
+  std::vector<std::string> arguments{"-nostdin",
+                                     "-hide_banner",
+                                     "-loglevel",
+                                     "error",
+                                     "-y",
+                                     "-protocol_whitelist",
+                                     "file,pipe",
+                                     "-threads",
+                                     "2",
+                                     "-f",
+                                     "image2",
+                                     "-framerate",
+                                     rate.data(),
+                                     "-start_number",
+                                     "0",
+                                     "-i",
+                                     "file:" + without_percent(pictures.string()) + "/%04d.png",
+                                     "-vf",
+                                     filter,
+                                     "-an",
+                                     "-map_metadata",
+                                     "-1",
+                                     "-colorspace",
+                                     "bt709",
+                                     "-color_primaries",
+                                     "bt709",
+                                     "-color_trc",
+                                     "iec61966-2-1",
+                                     "-color_range",
+                                     "tv"};
+  const std::vector<std::string> h264{"-c:v", "libx264",   "-preset",    "medium", "-crf",
+                                      "18",   "-movflags", "+faststart", "-f",     "mp4"};
+  const std::vector<std::string> vp9{"-c:v", "libvpx-vp9", "-crf", "24",      "-b:v", "0",  "-deadline",
+                                     "good", "-cpu-used",  "4",    "-row-mt", "1",    "-f", "webm"};
+  const auto& codec = extension == "mp4" ? h264 : vp9;
+  arguments.insert(arguments.end(), codec.begin(), codec.end());
+  arguments.insert(arguments.end(), {"-fflags", "+bitexact", "-threads", "2", "file:" + to.string()});
+  return arguments;
+}
+
+}  // namespace
+
+std::filesystem::path find_ffmpeg() {
+  const char* variable = std::getenv("PATH");
+  std::string_view folders = variable ? variable : "";
+  while (!folders.empty()) {
+    const std::size_t colon = folders.find(':');
+    const auto path = std::filesystem::path(folders.substr(0, colon)) / "ffmpeg";
+    std::error_code error;
+    if (path.is_absolute() && std::filesystem::is_regular_file(path, error) &&
+        ::access(path.c_str(), X_OK) == 0)
+      return path;
+    folders = colon == folders.npos ? std::string_view() : folders.substr(colon + 1);
+  }
+  return {};
+}
+
+api::Status ViewService::make_video(const Job& job, const std::string& camera, const std::string& extension,
+                                    const std::atomic<bool>& stopping) {
+  const std::filesystem::path folder = videos_of(job), file = folder / (camera + "." + extension);
+  std::error_code failed;
+  std::filesystem::create_directory(folder, failed);
+  if (failed) return file_error(folder.string(), failed.value());
+  const std::filesystem::path temporary = folder / (".tmp." + file.filename().string());
+  ChildTask task;
+  task.program = rules_.ffmpeg;
+  task.arguments =
+      arguments_for(jobs_.folder_of(job) / "artefacts/images" / camera, job.fps, extension, temporary);
+  task.limits.memory_bytes = rules_.ffmpeg_memory_bytes;
+  task.limits.file_bytes = std::uint64_t{4} << 30;
+  task.limits.open_files = 64;
+  task.time_max = rules_.time_max;
+  task.log_folder = jobs_.folder_of(job);
+  task.log_title = "video";
+  const auto outcome = run_child(task, stopping);
+  const auto finish = [&]() -> api::Status {
+    if (!outcome) return outcome.error();
+    if (outcome->end.exit_code != 0)
+      return api::Error{api::Fault::internal, "ffmpeg failed: " + outcome->log_tail};
+    const auto made = open_below(folder, temporary.filename().string());
+    if (!made) return made.error();
+    const auto hash = sha256_of(*made);
+    if (!hash) return hash.error();
+    if (::fsync(made->get()) != 0) return file_error("sync a video", errno);
+    if (::rename(temporary.c_str(), file.c_str()) != 0) return file_error(file.string(), errno);
+    return write_durably(folder / (file.filename().string() + ".sha256"), *hash);
+  };
+  api::Status status = finish();
+  if (!status) std::filesystem::remove(temporary, failed);
+  return status;
+}
+
+api::Result<Video> ViewService::ask_video(const Job& job, const std::string& camera,
+                                          const std::string& extension) {
+  Video video;
+  video.file = camera + "." + extension;
+  if (const auto hash = read_below(videos_of(job), video.file + ".sha256", kSumBytes)) {
+    const auto file = open_below(videos_of(job), video.file);
+    if (!file) return api::Error{api::Fault::internal, file.error().message};
+    const auto bytes = size_of(*file);
+    if (!bytes) return bytes.error();
+    video.state = MadeState::ready;
+    video.sha256 = *hash;
+    video.bytes = *bytes;
+    return video;
+  }
+  if (!has_ffmpeg())
+    return api::Error{api::Fault::out_of_resources,
+                      "this server makes no videos: ffmpeg is not installed beside it"};
+  const std::string key = job.id + "/videos/" + video.file;
+  const Maker::Look look = maker_.look(key);
+  if (look.state == Maker::State::failed) {
+    (void)maker_.forget(key);  // told once; whoever asks again has it tried again
+    return look.error;
+  }
+  const auto asked = maker_.ask(key, [this, job, camera, extension](const std::atomic<bool>& stopping) {
+    return make_video(job, camera, extension, stopping);
+  });
+  if (!asked) return asked.error();
+  video.state = look.state == Maker::State::making ? MadeState::making : MadeState::waiting;
+  return video;
+}
+
+}  // namespace server

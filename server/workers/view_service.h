@@ -1,0 +1,109 @@
+// Views and videos of finished jobs: made once, by a child process, and kept with the job.
+//
+//   jobs/<id>/views/<name>.json          the request; durable before it is promised
+//   jobs/<id>/views/<name>/              what `keylume view` has made of it, manifest.json among it
+//   jobs/<id>/videos/<camera>.mp4        and .sha256 beside it, which is written last
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/result.h"
+#include "api/view_request.h"
+#include "server/jobs/job_service.h"
+#include "server/workers/maker.h"
+
+namespace server {
+
+struct ViewRules {
+  std::filesystem::path program;                  ///< the worker executable
+  unsigned threads = 0;                           ///< of one view; 0: all cores
+  std::uint64_t memory_mb = 8192;                 ///< of one view, kept by the worker itself
+  std::uint64_t processor_seconds = 3600;         ///< the same
+  std::chrono::milliseconds time_max{1'200'000};  ///< wall clock, of a view or a video
+  std::filesystem::path ffmpeg;                   ///< empty: there are no videos
+  std::uint64_t ffmpeg_memory_bytes = std::uint64_t{4} << 30;
+  std::size_t at_once = 1;
+  std::size_t waiting_max = 100;
+  std::size_t views_per_job_max = 1000;
+};
+
+/// The first ffmpeg along PATH; empty: there is none.
+std::filesystem::path find_ffmpeg();
+
+enum class MadeState { none, waiting, making, ready, failed };
+std::string_view name_of(MadeState state);
+
+struct View {
+  std::string name;
+  MadeState state = MadeState::none;
+  std::string request_json;         ///< canonical
+  std::vector<ArtefactFile> files;  ///< of a view that is ready, paths within its folder
+  api::Error error = {};            ///< of one that has failed
+};
+
+struct Video {
+  MadeState state = MadeState::none;
+  std::string file;  ///< below videos/, when it is ready
+  std::string sha256;
+  std::int64_t bytes = 0;
+  api::Error error = {};
+};
+
+/// What a view is called: by the hash of its canonical JSON, so that the same request is the same view.
+std::string view_name(const api::ViewRequest& request);
+
+/// Safe for use by several threads.
+class ViewService {
+ public:
+  ViewService(JobService& jobs, const DataFolder& folder, ViewRules rules);
+
+  /// Has the views made that were promised when an earlier server ended.
+  void take_up_again();
+  void stop() { maker_.stop(); }
+
+  /// Promises it: it is made also if the server ends before. The same request again answers how that stands.
+  /// Errors: out_of_resources (too many wait, or the job has too many), disk_full, internal.
+  api::Result<View> ask(const Job& job, const api::ViewRequest& request);
+  /// Errors: not_found.
+  api::Result<View> view(const Job& job, std::string_view name);
+  /// By name.
+  std::vector<std::string> names(const Job& job) const;
+  /// Errors: not_found; wrong_state while it is being made.
+  api::Status remove(const Job& job, std::string_view name);
+  std::filesystem::path folder_of_view(const Job& job, std::string_view name) const {
+    return views_of(job) / name;
+  }
+
+  /// How it stands, and has it made where it is not there, from the PNG files of every frame that the job has
+  /// of `camera`. `extension`: "mp4" (H.264) or "webm" (VP9). Errors: out_of_resources where there is no
+  /// ffmpeg, or too many wait; internal where it has failed, once.
+  api::Result<Video> ask_video(const Job& job, const std::string& camera, const std::string& extension);
+  bool has_ffmpeg() const { return !rules_.ffmpeg.empty(); }
+  std::filesystem::path videos_of(const Job& job) const { return jobs_.folder_of(job) / "videos"; }
+
+ private:
+  std::filesystem::path views_of(const Job& job) const { return jobs_.folder_of(job) / "views"; }
+  api::Status promise(const Job& job, const std::string& name, const std::string& request_json);
+  Maker::Work work_of(const std::string& job_id, const std::string& name);
+  api::Status make_view(const std::string& job_id, const std::string& name,
+                        const std::atomic<bool>& stopping);
+  api::Status make_video(const Job& job, const std::string& camera, const std::string& extension,
+                         const std::atomic<bool>& stopping);
+  api::Result<std::vector<ArtefactFile>> verified_files(const Job& job, std::string_view name);
+
+  JobService& jobs_;
+  const DataFolder& folder_;
+  ViewRules rules_;
+  std::mutex mutex_;                                           ///< of asking, removing and of `verified_`
+  std::map<std::string, std::vector<ArtefactFile>> verified_;  ///< "<job>/<view>", whose files were read
+  Maker maker_;                                                ///< last: its threads use the rest
+};
+
+}  // namespace server
