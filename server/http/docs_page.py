@@ -95,6 +95,10 @@ def page(document):
                   for path, item in document["paths"].items() for method in METHODS if method in item]
     parts.append("<nav>" + "".join(f'<a href="#{operation["operationId"]}">{method.upper()} {html.escape(path)}</a>'
                                    for path, method, operation, _ in operations) + "</nav>")
+    common = document.get("x-answers-of-every-operation", {})
+    parts.append("<h2>Answers that every request may get</h2>")
+    parts.append(rows((f"<b>{status}</b>", text(resolved(document, answer).get("description")))
+                      for status, answer in common.items()))
     for tag in document["tags"]:
         parts.append(f"<h2>{text(tag['name'])}</h2><p>{text(tag.get('description'))}</p>")
         parts += [operation_html(document, path, method, operation, shared)

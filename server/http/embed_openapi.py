@@ -42,8 +42,18 @@ def inner_reference(reference, home, found):
     return f"#/components/schemas/{component(target)}{pointer}"
 
 
+def with_common_answers(document):
+    """What every operation may answer, written once in the source, in every operation."""
+    common = document.pop("x-answers-of-every-operation", {})
+    for item in document["paths"].values():
+        for method, operation in item.items():
+            if method != "parameters":
+                operation["responses"] = {**common, **{str(status): answer for status, answer in operation["responses"].items()}}
+    return document
+
+
 def bundled(openapi):
-    document = yaml.safe_load(openapi.read_text())
+    document = with_common_answers(yaml.safe_load(openapi.read_text()))
     found, done = set(), set()
     document = with_inner_references(document, None, found)
     while found - done:
