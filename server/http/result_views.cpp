@@ -195,11 +195,14 @@ HttpAnswer picture_answer(JobService& jobs, ViewService* views, const Job& job, 
                           const WantedPicture& wanted) {
   const auto shown = read_shown_as(request);
   if (!shown) return shown.error();
+  // The common case, and the quick one: the job's own picture as it is.
+  const std::string path = image_path(wanted.camera, wanted.frame, wanted.extension);
+  if (!(*shown).given() && jobs.artefact(job, path)) return artefact_answer(jobs, job, request, path);
   const auto pictures = pictures_of(jobs, job);
   if (!pictures) return problem(pictures.error(), request.path);
   const api::ImageOptions* image = (*pictures)->of(wanted.camera);
   if (image != nullptr && is_stored(*image, wanted.extension, *shown))
-    return artefact_answer(jobs, job, request, image_path(wanted.camera, wanted.frame, wanted.extension));
+    return artefact_answer(jobs, job, request, path);
   if (!(*pictures)->viewed.cameras.contains(wanted.camera))
     return problem(404, "the job has no camera of that name", request.path);
   Json body = view_body(wanted.camera, wanted.frame, wanted.extension, *shown,
