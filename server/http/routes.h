@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/artefacts/blobs.h"
 #include "server/artefacts/data_folder.h"
 #include "server/auth/rate_limiter.h"
 #include "server/auth/token_folder.h"
@@ -47,11 +48,12 @@ void add_upload_routes(Router& router, JobService& jobs, const DataFolder& folde
 /// POST /v1/jobs and /v1/validate, operationIds submitJob and validateJob.
 inline constexpr std::string_view kSubmitPath = "/v1/jobs", kValidatePath = "/v1/validate";
 HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
-                    const DataFolder& folder, const UploadLimits& limits);
+                    const DataFolder& folder, const Blobs& blobs, const UploadLimits& limits);
 
-/// Refusals that need no body: not multipart (415), too large by its own word (413), no room for it (507).
-std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const DataFolder& folder,
-                                              const UploadLimits& limits);
+/// Refusals that need no body: not multipart (415), too large by its own word (413), no room for it (507), more
+/// than this client may have in the queue (429) or than anybody (503).
+std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, JobService& jobs,
+                                              const DataFolder& folder, const UploadLimits& limits);
 
 HttpAnswer json_answer(std::string body, int status = 200);
 

@@ -6,6 +6,7 @@
 #include "server/http/parameters.h"
 #include "server/http/problem.h"
 #include "server/http/routes.h"
+#include "server/http/upload_blobs.h"
 #include "server/jobs/job_id.h"
 
 namespace server {
@@ -81,17 +82,28 @@ HttpAnswer bad_key(const HttpRequest& request) {
                  request.path);
 }
 
-/// The upload, received and answered.
-HttpAnswer receive(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
-                   const DataFolder& folder, const UploadLimits& limits, const std::optional<HeldKey>& key) {
-  UploadReceiver receiver(folder, new_job_id(system_clock_ms()), limits);
+/// The parts of a multipart body. None: all are taken, or the receiver has refused one.
+std::optional<HttpAnswer> receive_parts(const HttpRequest& request, const ReadBody& read_body,
+                                        UploadReceiver& receiver) {
   MultipartParser parser(*multipart_boundary(*request.header("Content-Type")),
                          {[&](auto field, auto name) { return receiver.begin_part(field, name); },
                           [&](auto bytes) { return receiver.take(bytes); }});
   const bool whole = read_body([&](std::string_view bytes) { return parser.feed(bytes); });
-  if (receiver.refusal()) return refusal_answer(*receiver.refusal(), request.path);
+  if (receiver.refusal()) return std::nullopt;
   if (!parser.error().empty()) return problem(400, parser.error(), request.path);
   if (!whole || !parser.complete()) return problem(400, "the upload ended early", request.path);
+  return std::nullopt;
+}
+
+/// The upload, received and answered.
+HttpAnswer receive(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
+                   const DataFolder& folder, const Blobs& blobs, const UploadLimits& limits,
+                   const std::optional<HeldKey>& key) {
+  UploadReceiver receiver(folder, new_job_id(system_clock_ms()), limits);
+  const auto refused = is_json(request) ? receive_named_files(request, read_body, blobs, receiver)
+                                        : receive_parts(request, read_body, receiver);
+  if (refused) return *refused;
+  if (receiver.refusal()) return refusal_answer(*receiver.refusal(), request.path);
   auto upload = receiver.finish();
   if (!upload) return refusal_answer(*receiver.refusal(), request.path);
   upload->owner = request.owner;
@@ -103,9 +115,9 @@ HttpAnswer receive(const HttpRequest& request, const ReadBody& read_body, JobSer
 
 }  // namespace
 
-std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const DataFolder& folder,
-                                              const UploadLimits& limits) {
-  if (!multipart_boundary(request.header("Content-Type").value_or("")))
+std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, JobService& jobs,
+                                              const DataFolder& folder, const UploadLimits& limits) {
+  if (!is_json(request) && !multipart_boundary(request.header("Content-Type").value_or("")))
     return problem(415,
                    "the body must be multipart/form-data, as curl sends it with -F scene=@scene.obj -F "
                    "animation=@animation.json",
@@ -119,25 +131,24 @@ std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, const 
   const auto free = free_bytes(folder.uploads());
   if (free && *free < bytes + kReservedBytes)
     return problem({api::Fault::disk_full, "no room for an upload"}, request.path);
+  // Not where the job may be there already, whatever else is in the queue by now.
+  if (request.path == kValidatePath || request.header("Idempotency-Key")) return std::nullopt;
+  if (const api::Status admitted = jobs.admit(request.owner, bytes); !admitted)
+    return problem(admitted.error(), request.path);
   return std::nullopt;
 }
 
 HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
-                    const DataFolder& folder, const UploadLimits& limits) {
-  if (auto refused = refuse_upload_early(request, folder, limits)) return *refused;
-  if (request.path == kValidatePath) return receive(request, read_body, jobs, folder, limits, std::nullopt);
+                    const DataFolder& folder, const Blobs& blobs, const UploadLimits& limits) {
+  if (auto refused = refuse_upload_early(request, jobs, folder, limits)) return *refused;
+  if (request.path == kValidatePath)
+    return receive(request, read_body, jobs, folder, blobs, limits, std::nullopt);
   const auto name = request.header("Idempotency-Key");
-  if (!name) {
-    // Not so where the job may be there already, whatever else is in the queue by now.
-    const std::int64_t bytes = whole_number(request.header("Content-Length").value_or("")).value_or(0);
-    if (const api::Status admitted = jobs.admit(request.owner, bytes); !admitted)
-      return problem(admitted.error(), request.path);
-    return receive(request, read_body, jobs, folder, limits, std::nullopt);
-  }
+  if (!name) return receive(request, read_body, jobs, folder, blobs, limits, std::nullopt);
   if (!is_idempotency_key(*name)) return bad_key(request);
   // Held until the answer is made: whoever repeats the request meanwhile must not make a second job.
   const std::optional<HeldKey> key = jobs.hold_key(request.owner, *name);
-  return key ? receive(request, read_body, jobs, folder, limits, key) : still_answering(request);
+  return key ? receive(request, read_body, jobs, folder, blobs, limits, key) : still_answering(request);
 }
 
 }  // namespace server

@@ -151,6 +151,12 @@ api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, co
 }
 
 api::Status JobService::take_up_again(const Orphan& orphan) {
+  api::Status taken = settle_orphan(orphan);
+  tell_change();
+  return taken;
+}
+
+api::Status JobService::settle_orphan(const Orphan& orphan) {
   if (orphan.job.state == JobState::cancel_requested) return store_.finish_cancel(orphan.lease, {});
   if (orphan.job.state == JobState::pause_requested)
     return store_.requeue(orphan.lease, {"paused", "on request"}, {}, false);

@@ -69,7 +69,7 @@ api::Result<Job> JobService::retry(std::string_view id, bool from_start) {
 
 api::Result<Job> JobService::change(std::string_view id, const api::JobOptions& options,
                                     std::optional<std::int64_t> version) {
-  if (const api::Status ahead = refuse_past_deadline(options, clock_()); !ahead) return ahead.error();
+  if (const api::Status ahead = refuse_past_deadline(options, clock_(), "body"); !ahead) return ahead.error();
   auto job = store_.change(id, options, version);
   if (job) tell_change();
   return job;

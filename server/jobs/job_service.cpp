@@ -20,18 +20,19 @@ api::Result<api::JobOptions> read_options(const Upload& upload, std::int64_t now
   if (upload.options.empty()) return api::JobOptions{};
   auto options = api::parse_job_options(upload.options);
   if (!options) return options;
-  if (const api::Status ahead = refuse_past_deadline(*options, now_ms); !ahead) return ahead.error();
+  if (const api::Status ahead = refuse_past_deadline(*options, now_ms, "options"); !ahead)
+    return ahead.error();
   return options;
 }
 
 }  // namespace
 
-api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t now_ms) {
+api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t now_ms, std::string_view file) {
   if (!options.deadline_ms.value || *options.deadline_ms.value > now_ms) return api::Done{};
   const std::string detail = "is in the past";
   return api::Error{Fault::invalid_request,
                     "the deadline " + detail,
-                    {{"options", "/deadline", 0, 0, "out_of_range", detail}}};
+                    {{std::string(file), "/deadline", 0, 0, "out_of_range", detail}}};
 }
 
 JobService::JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock)

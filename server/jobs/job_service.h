@@ -78,8 +78,8 @@ struct GarbageReport {
 /// What a worker is to do next.
 enum class Wanted { go_on, pause, cancel, deadline_passed, run_time_exceeded };
 
-/// Errors: invalid_request where the deadline is no later than `now_ms`.
-api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t now_ms);
+/// Errors: invalid_request, naming `file`, where the deadline is no later than `now_ms`.
+api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t now_ms, std::string_view file);
 
 /// Safe for use by several threads.
 class JobService {
@@ -182,6 +182,7 @@ class JobService {
   void record_bytes(const Job& job);
   void tell_change();
   api::Status settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
+  api::Status settle_orphan(const Orphan& orphan);
   api::Status succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status wait_for_room_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status try_again_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome);

@@ -37,6 +37,40 @@ TEST(Migrations, KeyFramesOfEarlierJobsAreCountedAnew) {
   EXPECT_TRUE(counts.is_null(0) && counts.is_null(1));
 }
 
+TEST(Migrations, JobsOfEarlierVersionsKeepWhatBelongsToThem) {
+  const TemporaryFolder folder;
+  auto database = Database::open(folder.path() / "db");
+  ASSERT_TRUE(database && migrate(*database, migrations().first(3)));
+  ASSERT_TRUE(database->execute(
+      "INSERT INTO job(seq, id, name, state, frame_count, fps, input_bytes, created_ms, updated_ms) VALUES "
+      "(1, 'job_aaaaaaaaaaaaaaaaaaaaaaaaaa', 'old', 'queued', 3, 24, 7, 5, 6), "
+      "(2, 'job_bbbbbbbbbbbbbbbbbbbbbbbbbb', '', 'queued', 3, 24, 1, 0, 0);"
+      "INSERT INTO event(job_seq, at_ms, to_state, reason, message) VALUES (1, 5, 'queued', 'submitted', '');"
+      "INSERT INTO attempt(job_seq, number, lease, started_ms) VALUES (1, 1, 1, 5);"
+      "INSERT INTO job_input VALUES (1, 'scene.obj', 'scene', 7);"
+      "DELETE FROM job WHERE seq = 2"));
+  ASSERT_TRUE(migrate(*database));
+  ASSERT_TRUE(check_integrity(*database));
+  Statement job = database->prepare(
+      "SELECT name, owner, priority, queued_ms, bytes, (SELECT count(*) FROM event), (SELECT count(*) FROM "
+      "attempt), (SELECT count(*) FROM job_input) FROM job");
+  ASSERT_TRUE(job.next());
+  EXPECT_EQ(job.text(0), "old");
+  EXPECT_EQ(job.text(1), "");
+  EXPECT_EQ(job.integer(2), 50);
+  EXPECT_EQ(job.integer(3), 5) << "it has been waiting since it was submitted";
+  EXPECT_EQ(job.integer(4), 7);
+  for (const int column : {5, 6, 7}) EXPECT_EQ(job.integer(column), 1) << column;
+  ASSERT_TRUE(database->execute(
+      "INSERT INTO job(id, name, state, frame_count, fps, input_bytes, queued_ms, created_ms, updated_ms) "
+      "VALUES ('job_cccccccccccccccccccccccccc', '', 'queued', 3, 24, 1, 0, 0, 0)"));
+  EXPECT_EQ(database->last_row(), 3) << "the number of a job that is gone does not come back";
+  ASSERT_TRUE(database->execute("DELETE FROM job WHERE seq = 1"));
+  Statement left = database->prepare("SELECT count(*) FROM event");
+  ASSERT_TRUE(left.next());
+  EXPECT_EQ(left.integer(0), 0) << "what belongs to a job goes with it, as before";
+}
+
 TEST(Migrations, RefuseASchemaNewerThanThisBuild) {
   const TemporaryFolder folder;
   auto database = Database::open(folder.path() / "db");
