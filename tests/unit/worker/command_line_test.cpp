@@ -121,6 +121,10 @@ TEST(CommandLine, NumbersAtTheirLimitsAreTaken) {
   EXPECT_EQ(refusal({"check", "job", "--memory-mb", "64", "--seconds", "86400"}), "");
   EXPECT_NE(refusal({"check", "job", "--memory-mb", "63"}), "");
   EXPECT_NE(refusal({"check", "job", "--seconds", "86401"}), "");
+  EXPECT_EQ(refusal({"view", "job", "--name", "a_B-3", "--sandbox", "--memory-mb", "64"}), "");
+  EXPECT_NE(refusal({"view", "job"}).find("--name is missing"), std::string::npos);
+  for (const char* name : {"", ".", "..", "a/b", "a.json", "\n"})
+    EXPECT_NE(refusal({"view", "job", "--name", name}), "") << name;
 }
 
 TEST(CommandLine, WrongUseIsRefusedWithTheWordThatIsWrong) {
