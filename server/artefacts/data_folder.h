@@ -3,6 +3,7 @@
 //   LOCK                 held by the one server that may use the folder; its process id inside
 //   keylume.db           SQLite, with -wal and -shm beside it
 //   tmp/<id>/            uploads on their way in; emptied at start-up
+//   blobs/<ab>/<hash>    files of uploads by their SHA-256, kept for a day without use
 //   jobs/<id>/           one job: input/, artefacts/, checkpoint/, progress.ndjson, report.json,
 //                        worker.log
 #pragma once
@@ -26,6 +27,7 @@ class DataFolder {
   std::filesystem::path database() const { return root_ / "keylume.db"; }
   std::filesystem::path uploads() const { return root_ / "tmp"; }
   std::filesystem::path upload(std::string_view id) const { return uploads() / id; }
+  std::filesystem::path blobs() const { return root_ / "blobs"; }
   std::filesystem::path jobs() const { return root_ / "jobs"; }
   std::filesystem::path job(std::string_view id) const { return jobs() / id; }
 

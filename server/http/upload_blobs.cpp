@@ -1,0 +1,73 @@
+#include "server/http/upload_blobs.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+
+#include "api/job_files.h"
+#include "server/http/problem.h"
+
+namespace server {
+namespace {
+
+constexpr std::size_t kPieceBytes = 64 * 1024;
+
+api::Error unknown_blob(std::size_t index, const api::JobFile& file) {
+  const std::string detail =
+      "there is no blob " + file.sha256 + "; send it with PUT /v1/blobs/sha256/" + file.sha256;
+  return {api::Fault::invalid_request,
+          detail,
+          {{"body", "/files/" + std::to_string(index) + "/sha256", 0, 0, "unknown_blob", detail}}};
+}
+
+/// False: the receiver has had enough, or the file cannot be read.
+bool hand_over(const FileHandle& file, UploadReceiver& receiver, int& read_error) {
+  std::array<char, kPieceBytes> piece;
+  for (;;) {
+    const ssize_t count = ::read(file.get(), piece.data(), piece.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) read_error = errno;
+    if (count <= 0) return count == 0;
+    if (!receiver.take({piece.data(), static_cast<std::size_t>(count)})) return false;
+  }
+}
+
+}  // namespace
+
+bool is_json(const HttpRequest& request) {
+  const std::string type = request.header("Content-Type").value_or("");
+  return type.substr(0, type.find(';')) == "application/json";
+}
+
+std::optional<HttpAnswer> receive_named_files(const HttpRequest& request, const ReadBody& read_body,
+                                              const Blobs& blobs, UploadReceiver& receiver) {
+  std::string body;
+  const bool whole = read_body([&](std::string_view bytes) {
+    body += bytes;
+    return body.size() <= api::kJobFilesBytesMax;
+  });
+  if (body.size() > api::kJobFilesBytesMax)
+    return problem(413,
+                   "the list of files is larger than " + std::to_string(api::kJobFilesBytesMax) + " bytes",
+                   request.path);
+  if (!whole) return problem(400, "the body ended early", request.path);
+  const auto job = api::parse_job_files(body);
+  if (!job) return problem(job.error(), request.path);
+  if (!job->options.empty() &&
+      (!receiver.begin_part("options", "options.json") || !receiver.take(job->options)))
+    return std::nullopt;
+  for (std::size_t i = 0; i < job->files.size(); ++i) {
+    const api::JobFile& file = job->files[i];
+    const auto blob = blobs.open(file.sha256);
+    if (!blob) return problem(unknown_blob(i, file), request.path);
+    int read_error = 0;
+    const bool taken = receiver.begin_part(file.field, file.name.empty() ? file.field : file.name) &&
+                       hand_over(*blob, receiver, read_error);
+    if (read_error != 0) return problem(file_error("read a blob", read_error), request.path);
+    if (!taken) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace server

@@ -1,0 +1,25 @@
+// Uploads whose files were sent before, one by one, and are named by their hashes.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "server/artefacts/blobs.h"
+#include "server/http/message.h"
+#include "server/http/router.h"
+#include "server/http/upload_receiver.h"
+
+namespace server {
+
+/// /v1/blobs/sha256/{hex}
+void add_blob_routes(Router& router, const std::shared_ptr<Blobs>& blobs, const DataFolder& folder,
+                     const UploadLimits& limits);
+
+bool is_json(const HttpRequest& request);
+
+/// Reads a JSON body (api::JobFiles) and has `receiver` take the files that it names, as if they came as
+/// parts. None: all are taken, or the receiver has refused one.
+std::optional<HttpAnswer> receive_named_files(const HttpRequest& request, const ReadBody& read_body,
+                                              const Blobs& blobs, UploadReceiver& receiver);
+
+}  // namespace server
