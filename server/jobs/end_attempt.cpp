@@ -25,11 +25,17 @@ std::string with_log(const AttemptOutcome& outcome) {
 }  // namespace
 
 api::Result<std::optional<Claim>> JobService::claim(const Room& room) {
+  if (const api::Status failed = fail_overdue(); !failed) return failed.error();
+  auto claim = store_.claim(room);
+  if (claim && *claim) tell_change();
+  return claim;
+}
+
+api::Status JobService::fail_overdue() {
   const auto overdue = store_.fail_overdue();
   if (!overdue) return overdue.error();
-  auto claim = store_.claim(room);
-  if (*overdue > 0 || (claim && *claim)) tell_change();
-  return claim;
+  if (*overdue > 0) tell_change();
+  return api::Done{};
 }
 
 Wanted JobService::wanted(const Lease& lease, std::int64_t ran_ms) {
@@ -88,11 +94,13 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
     }
     case OutcomeKind::disk_full:
       return wait_for_room_or_fail(job, lease, outcome);
+    // What the worker said last explains nothing where it was us who stopped it.
     case OutcomeKind::time_over:
-      return store_.fail(lease, why, outcome.end, api::job_report_json(read_report(folder_.job(job.id))));
+      return store_.fail(lease, {outcome.reason, outcome.message}, outcome.end,
+                         api::job_report_json(read_report(folder_.job(job.id))));
     case OutcomeKind::server_stopped:
     case OutcomeKind::paused:
-      return store_.requeue(lease, why, outcome.end, false);
+      return store_.requeue(lease, {outcome.reason, outcome.message}, outcome.end, false);
     case OutcomeKind::lost:
       return try_again_or_fail(job, lease, outcome);
   }

@@ -150,7 +150,11 @@ class JobService {
   std::filesystem::path folder_of(const Job& job) const { return folder_.job(job.id); }
 
   // For the supervisor: end_attempt.cpp.
+  /// Of the jobs whose deadline has not passed.
   api::Result<std::optional<Claim>> claim(const Room& room = {});
+  /// Waiting jobs whose deadline has passed become failed; also to be asked for where there is no room to
+  /// claim.
+  api::Status fail_overdue();
   api::Status record_worker(const Lease& lease, const ProcessIdentity& worker) {
     return store_.record_worker(lease, worker);
   }

@@ -39,7 +39,13 @@ void Supervisor::stop() {
 }
 
 void Supervisor::run() {
+  auto overdue_at = std::chrono::steady_clock::now();
   while (!stopping_ || !running_.empty()) {
+    if (std::chrono::steady_clock::now() >= overdue_at) {
+      if (const api::Status failed = jobs_.fail_overdue(); !failed)
+        complain("cannot look for jobs that are overdue: " + failed.error().message);
+      overdue_at = std::chrono::steady_clock::now() + kRest;
+    }
     while (!stopping_ && start_next()) {
     }
     wait();

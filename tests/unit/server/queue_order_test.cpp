@@ -237,7 +237,7 @@ TEST_F(QueueOrder, TenThousandJobsInTheQueue) {
                   ") INSERT INTO job(id, owner, name, state, priority, frame_count, fps, input_bytes, "
                   "queued_ms, created_ms, updated_ms) SELECT 'job_' || printf('%026d', i), 'owner' || (i % " +
                   std::to_string(kOwners) + "), '', 'queued', i * 37 % 101, 3, 24, 0, " +
-                  std::to_string(now_ms_) + " + i, 0, 0 FROM n"));
+                  std::to_string(now_ms_.load()) + " + i, 0, 0 FROM n"));
   const auto milliseconds_of = [](auto act) {
     const auto begun = std::chrono::steady_clock::now();
     act();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -40,11 +41,11 @@ class ServiceTest : public testing::Test {
     auto folder = DataFolder::open(temporary_.path() / "data");
     ASSERT_TRUE(folder) << folder.error().message;
     folder_ = std::make_unique<DataFolder>(std::move(*folder));
-    auto store = JobStore::open(folder_->database(), [this] { return now_ms_; });
+    auto store = JobStore::open(folder_->database(), [this] { return now_ms_.load(); });
     ASSERT_TRUE(store) << store.error().message;
     store_ = std::move(*store);
     rules_.check = [this](const std::filesystem::path&) { return check_result_; };
-    jobs_ = std::make_unique<JobService>(*store_, *folder_, rules_, [this] { return now_ms_; });
+    jobs_ = std::make_unique<JobService>(*store_, *folder_, rules_, [this] { return now_ms_.load(); });
   }
 
   /// As after kill -9: nothing is told, everything is opened anew.
@@ -85,7 +86,7 @@ class ServiceTest : public testing::Test {
   }
 
   TemporaryFolder temporary_;
-  std::int64_t now_ms_ = 1'700'000'000'000;
+  std::atomic<std::int64_t> now_ms_ = 1'700'000'000'000;  ///< also read by the supervisor's threads
   api::Status check_result_ = api::Done{};
   JobRules rules_;
   std::unique_ptr<DataFolder> folder_;

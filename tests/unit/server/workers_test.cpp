@@ -328,6 +328,19 @@ TEST_F(WorkersTest, AWorkerThatComputesInSilenceIsGivenTimeButNotForEver) {
   EXPECT_EQ(store_->attempts(submitted.seq)->at(0).outcome, "stuck");
 }
 
+TEST_F(WorkersTest, AWaitingJobFailsAtItsDeadlineAlsoWhileAllCoresAreTaken) {
+  const Job blocking = submit_that_will("wait_for_term");
+  start();
+  worker_of(blocking);
+  const auto late = jobs_->submit(make_upload());
+  api::JobOptions options;
+  options.deadline_ms = {true, now_ms_ + 1};
+  ASSERT_TRUE(late && jobs_->change(late->id, options, std::nullopt));
+  now_ms_ += 2;
+  EXPECT_EQ(wait_for(*late, JobState::failed).reason, "deadline_passed");
+  EXPECT_EQ(job(blocking.id).state, JobState::running);
+}
+
 TEST_F(WorkersTest, AJobThatRunsTooLongIsStoppedForGood) {
   Upload upload = make_upload();
   upload.options = R"({"max_run_seconds": 1})";
