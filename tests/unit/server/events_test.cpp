@@ -149,7 +149,9 @@ TEST_F(EventsTest, TheStreamOfAllJobsBeginsNowOrWhereItsListenerWas) {
 TEST_F(EventsTest, ManyEventsComeInPagesWithoutAGap) {
   for (int i = 0; i < 250; ++i) {
     const std::string id = new_job_id(now_ms_ + i);
-    ASSERT_TRUE(store_->insert({id, "", 1, 24, {}}));
+    NewJob job;
+    job.id = id;
+    ASSERT_TRUE(store_->insert(job));
   }
   const std::string last = std::to_string(*reader_->newest());
   const Said said = read_stream(listen(
