@@ -254,6 +254,7 @@ TEST_F(ServiceTest, EveryRouteIsInTheContractAndTheReverse) {
   JobMetrics job_metrics;
   add_ops_routes(router, {*jobs_, *store_, *folder_, hub, http_metrics, job_metrics});
   add_limits_route(router, {});
+  add_upload_routes(router, *jobs_, *folder_, {});
   add_service_routes(router);
   std::set<std::string> ours;
   for (const Route& route : router.routes()) ours.insert(route.method + " " + route.pattern);
