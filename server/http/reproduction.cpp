@@ -66,7 +66,8 @@ std::string json_of(const Job& job, const Reproduction& reproduction, const Ligh
   const auto report = api::parse_job_report(job.report);
   Json json{
       {"keylume", KEYLUME_VERSION},
-      {"job", {{"id", job.id}, {"name", job.settings.name}, {"frame_count", job.frame_count}, {"fps", job.fps}}},
+      {"job",
+       {{"id", job.id}, {"name", job.settings.name}, {"frame_count", job.frame_count}, {"fps", job.fps}}},
       {"how", "keylume render FOLDER with this folder's input/, of this version, gives these artefacts"},
       {"seed", lighting.seed},
       {"lighting", lighting.as_given},

@@ -114,7 +114,8 @@ class Views(ServiceTestCase):
 
     def test_pictures_are_shown_while_the_job_is_at_work(self):
         service = self.service("early")
-        job = write_job(self.folder / "job3", frames=24, width=640, height=360)
+        # Pictures come in blocks of 32 frames: several of them, so that some are there well before the last.
+        job = write_job(self.folder / "job3", frames=110, width=320, height=180)
         changed(job, lambda document: document["images"][0].update(samples_per_pixel=16))
         job_id = self.submitted(service, job)
 
