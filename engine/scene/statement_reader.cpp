@@ -7,7 +7,11 @@
 namespace engine {
 namespace {
 
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+constexpr std::size_t kChunkBytes = 64;  // so that statements meet the ends of chunks
+#else
 constexpr std::size_t kChunkBytes = 1u << 20;
+#endif
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
