@@ -19,8 +19,8 @@ struct ImageOptions {
   bool png = true;             ///< tone-mapped, sRGB, 8 bits
   bool exr = false;            ///< linear radiance, half floats  [W sr^-1 m^-2]
   bool jpg = false;            ///< the same as JPEG of quality 90, colours at full resolution
-  /// PNG and JPEG only: radiance is multiplied by 2^exposure_stops. Not given in the JSON: chosen once for the
-  /// whole sequence from its mean radiosity, so that it does not flicker.  -32 .. 32
+  /// PNG and JPEG only: radiance is multiplied by 2^exposure_stops. Not given in the JSON: chosen once for
+  /// the whole sequence from its mean radiosity, so that it does not flicker.  -32 .. 32
   double exposure_stops = 0;
   bool auto_exposure = true;
   ToneMap tone_map = ToneMap::filmic;

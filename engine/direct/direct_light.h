@@ -58,15 +58,15 @@ struct DirectLight {
 ///
 /// F is the mean over the patch of the closed form factor to the light; of a light without surface, of
 /// cos / r^2, or cos (arrival.h). Where the light is away from the patch by some times its size, F comes from
-/// a fixed rule, exact to 1e-4 or so (kApartRadii, TileView: it depends on where the two are and on nothing else); else from the
-/// points x_s. b_s in {0, 1} tells whether the ray from x_s to y_s is blocked, a hair off the surfaces at
-/// both ends (clearance_m); w_s is what it would carry by what it was likely to be drawn (join). So H has no
-/// noise where nothing is hidden, and is exactly 0 where everything is; as a ratio it is off by less than the
-/// scatter of w times that of b by the number of points, which their densities, bilinear on patch and light,
-/// keep small. Rays are cast only where something can stand between (shaft.h), found for neighbouring patches
-/// together (TileLighter). Static surfaces answer once for all frames, moving ones say in which frames they
-/// block. The same points in every frame: what noise there is does not flicker. Patches of an object that is
-/// not there in a frame get 0.
+/// a fixed rule, exact to 1e-4 or so (kApartRadii, TileView: it depends on where the two are and on nothing
+/// else); else from the points x_s. b_s in {0, 1} tells whether the ray from x_s to y_s is blocked, a hair
+/// off the surfaces at both ends (clearance_m); w_s is what it would carry by what it was likely to be drawn
+/// (join). So H has no noise where nothing is hidden, and is exactly 0 where everything is; as a ratio it is
+/// off by less than the scatter of w times that of b by the number of points, which their densities, bilinear
+/// on patch and light, keep small. Rays are cast only where something can stand between (shaft.h), found for
+/// neighbouring patches together (TileLighter). Static surfaces answer once for all frames, moving ones say
+/// in which frames they block. The same points in every frame: what noise there is does not flicker. Patches
+/// of an object that is not there in a frame get 0.
 ///
 /// Where more than 32 lights can shine on a patch, those that matter most are sampled so, and the others
 /// share samples that are drawn among them: about twice those of 15 lights, for any number (light_choice.h).

@@ -20,9 +20,9 @@ struct ClippedPolygon {
   }
 };
 
-/// The part of the polygon above the horizon, as vectors from the point (Sutherland & Hodgman). A convex polygon
-/// crosses it twice at most. Where it seems to cross it more often it lies in the horizon's plane, its corners
-/// above and below by rounding alone: nothing of it is seen.
+/// The part of the polygon above the horizon, as vectors from the point (Sutherland & Hodgman). A convex
+/// polygon crosses it twice at most. Where it seems to cross it more often it lies in the horizon's plane,
+/// its corners above and below by rounding alone: nothing of it is seen.
 ClippedPolygon above_horizon(Vec3 point, Vec3 normal, std::span<const Vec3> corners) {
   ClippedPolygon clipped;
   int crossings = 0;

@@ -19,8 +19,8 @@ enum class View : std::uint8_t {
 ///
 /// The factor of a light at distance d varies like 1 / (1 + s^2 / d^2)^2 over a parallelogram of edge 2 a;
 /// the first term that the rule of Gauss gets wrong leaves 0.53 (a / d)^4, and with d = 7 sqrt(2) a that is
-/// 6e-5. The worst found at that distance: 1.5e-4 of a square cell, 5e-4 of one four times as long as wide, .1 %
-/// of one that a small light grazes.
+/// 6e-5. The worst found at that distance: 1.5e-4 of a square cell, 5e-4 of one four times as long as wide,
+/// .1 % of one that a small light grazes.
 inline constexpr float kApartRadii = 7;
 
 /// What of it is decided here follows from where the cell and the light are, and from nothing else: a cell

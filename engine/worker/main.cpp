@@ -17,10 +17,9 @@ int main(int argc, char** argv) {
     const engine::Bench bench = [](const engine::BenchOptions& options) {
       return engine::run_bench(options, engine::this_program());
     };
-    return static_cast<int>(
-        engine::run_worker(words, engine::run_pipeline, engine::check_job, bench,
-                           {.refuse = engine::refuse_job, .fingerprint = engine::job_fingerprint,
-                            .view = engine::render_view}));
+    return static_cast<int>(engine::run_worker(
+        words, engine::run_pipeline, engine::check_job, bench,
+        {.refuse = engine::refuse_job, .fingerprint = engine::job_fingerprint, .view = engine::render_view}));
   } catch (const std::bad_alloc&) {
     engine::tell("out of memory");
     return static_cast<int>(api::ExitCode::limit_exceeded);

@@ -50,8 +50,8 @@ inline constexpr std::string_view kSubmitPath = "/v1/jobs", kValidatePath = "/v1
 HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
                     const DataFolder& folder, const Blobs& blobs, const UploadLimits& limits);
 
-/// Refusals that need no body: not multipart (415), too large by its own word (413), no room for it (507), more
-/// than this client may have in the queue (429) or than anybody (503).
+/// Refusals that need no body: not multipart (415), too large by its own word (413), no room for it (507),
+/// more than this client may have in the queue (429) or than anybody (503).
 std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, JobService& jobs,
                                               const DataFolder& folder, const UploadLimits& limits);
 

@@ -73,7 +73,8 @@ TEST(PatchesNpz, CutsNamesThatAreTooLong) {
   scene.objects[0].name = std::string(60'000, 'x');
   const auto patches = engine::mesh_into_patches(scene, 0.5);
   ASSERT_TRUE(patches);
-  ASSERT_TRUE(engine::write_patches_npz(folder.path() / "p.npz", scene, *patches, tests::sample_animation(), {}));
+  ASSERT_TRUE(
+      engine::write_patches_npz(folder.path() / "p.npz", scene, *patches, tests::sample_animation(), {}));
   EXPECT_NE(bytes_of(folder.path() / "p.npz").find("'<U256'"), std::string::npos);
   EXPECT_LT(fs::file_size(folder.path() / "p.npz"), 20'000u);
 }

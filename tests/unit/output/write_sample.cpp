@@ -12,10 +12,11 @@ int main(int argument_count, char** arguments) {
   const auto radiosity = tests::numbered_series(patches->count(), 3);
   const engine::Artefact artefacts[] = {{"radiosity.npy", "application/x-npy"},
                                         {"patches.npz", "application/zip"}};
-  for (const auto& status : {engine::write_radiosity_npy(folder / "radiosity.npy", radiosity),
-                             engine::write_patches_npz(folder / "patches.npz", tests::sample_scene(),
-                                                       *patches, tests::sample_animation(), {{0, 0, 1}, 0.25}),
-                             engine::write_manifest(folder, artefacts)})
+  for (const auto& status :
+       {engine::write_radiosity_npy(folder / "radiosity.npy", radiosity),
+        engine::write_patches_npz(folder / "patches.npz", tests::sample_scene(), *patches,
+                                  tests::sample_animation(), {{0, 0, 1}, 0.25}),
+        engine::write_manifest(folder, artefacts)})
     if (!status) {
       std::fprintf(stderr, "%s\n", status.error().message.c_str());
       return 1;

@@ -29,7 +29,8 @@ Pose turned(double angle, double stretch, double mirror, double x, double z) {
   return pose;
 }
 
-/// The first turns and is away for a while; the second is a mirrored one that rests for five frames at a time.
+/// The first turns and is away for a while; the second is a mirrored one that rests for five frames at a
+/// time.
 Animation turning(const Scene& scene) {
   Animation animation = tests::still(scene, kFrames);
   for (const std::uint32_t object : {1u, 2u}) animation.objects[object].spans.clear();
