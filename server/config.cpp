@@ -170,7 +170,7 @@ api::Result<CommandLine> parse_command_line(std::span<const std::string_view> wo
     const std::size_t equals = word.find('=');
     const std::string_view name = word.substr(0, equals);
     if (!number_named(name) && std::find(kWithText.begin(), kWithText.end(), name) == kWithText.end())
-      return wrong("'" + std::string(word) + "' is not an option");
+      return wrong(std::string("'").append(word).append("' is not an option"));
     if (equals == word.npos && i + 1 == words.size())
       return wrong(std::string(name) + ": a value is missing");
     const std::string_view value = equals == word.npos ? words[++i] : word.substr(equals + 1);
