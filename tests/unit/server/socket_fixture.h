@@ -105,7 +105,7 @@ class SocketTest : public ServiceTest {
       return answer;
     });
     tokens_ = std::make_unique<TokenFolder>(temporary_.path() / "data");
-    gate_ = std::make_unique<Gate>(*tokens_, gate_rules_, [this] { return now_ms_; });
+    gate_ = std::make_unique<Gate>(*tokens_, gate_rules_, [this] { return now_ms_.load(); });
     http_ = std::make_unique<HttpServer>(router_, *gate_, http_rules_);
     ASSERT_TRUE(http_->bind());
     listener_ = std::thread([this] { http_->run(); });
