@@ -111,7 +111,9 @@ class Rejected(ServiceTestCase):
                 ("no animation", ["-F", scene], 422, [("animation.json", "missing")]),
                 ("scene twice", ["-F", scene, "-F", scene, "-F", animation], 422, [("scene.obj", "duplicate_part")]),
                 ("an unknown part", ["-F", scene, "-F", animation, "-F", "else=1"], 422, [("else", "unknown_part")]),
-                ("JSON instead of parts", ["-H", "Content-Type: application/json", "-d", "{}"], 415, []),
+                ("JSON that names no files", ["-H", "Content-Type: application/json", "-d", "{}"], 422,
+                 [("body", "missing")]),
+                ("text instead of parts", ["-H", "Content-Type: text/plain", "-d", "{}"], 415, []),
                 ("no body", ["-X", "POST"], 415, [])):
             with self.subTest(what):
                 answer = curl(url, *arguments)
