@@ -116,20 +116,25 @@ api::Result<Command> parse_render(std::span<const std::string_view> words) {
   return Command{command};
 }
 
+/// What bounds a command that a server waits for; no other option.
+template <class BoundedCommand>
+api::Status take_limit(const Word& word, BoundedCommand& command) {
+  if (word.name == "--memory-mb")
+    return take_number(word, kCheckMemoryMbMin, kCheckMemoryMbMax, command.memory_mb);
+  if (word.name == "--seconds") return take_number(word, 1, kCheckSecondsMax, command.seconds);
+  if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
+  if (word.name == "--parent") return take_process(word, command.parent);
+  return usage_error("unknown option " + std::string(word.name));
+}
+
 api::Result<Command> parse_check(std::span<const std::string_view> words) {
   CheckCommand command;
   std::vector<std::string_view> others(words.begin(), words.end());
   const auto sandbox = take_switch("--sandbox", others);
   if (!sandbox) return sandbox.error();
   command.sandbox = *sandbox;
-  const auto folder = parse_words(others, [&](const Word& word) -> api::Status {
-    if (word.name == "--memory-mb")
-      return take_number(word, kCheckMemoryMbMin, kCheckMemoryMbMax, command.memory_mb);
-    if (word.name == "--seconds") return take_number(word, 1, kCheckSecondsMax, command.seconds);
-    if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
-    if (word.name == "--parent") return take_process(word, command.parent);
-    return usage_error("unknown option " + std::string(word.name));
-  });
+  const auto folder =
+      parse_words(others, [&](const Word& word) -> api::Status { return take_limit(word, command); });
   if (!folder) return folder.error();
   command.job_folder = *folder;
   return Command{command};
@@ -149,12 +154,7 @@ api::Result<Command> parse_view(std::span<const std::string_view> words) {
   if (!sandbox) return sandbox.error();
   command.sandbox = *sandbox;
   const auto folder = parse_words(others, [&](const Word& word) -> api::Status {
-    if (word.name == "--memory-mb")
-      return take_number(word, kCheckMemoryMbMin, kCheckMemoryMbMax, command.memory_mb);
-    if (word.name == "--seconds") return take_number(word, 1, kCheckSecondsMax, command.seconds);
-    if (word.name == "--threads") return take_number(word, 1, kThreadsMax, command.threads);
-    if (word.name == "--parent") return take_process(word, command.parent);
-    if (word.name != "--name") return usage_error("unknown option " + std::string(word.name));
+    if (word.name != "--name") return take_limit(word, command);
     if (!is_view_name(word.value))
       return usage_error("--name takes 1 to 64 letters, digits, '_' or '-', not '" + std::string(word.value) +
                          "'");

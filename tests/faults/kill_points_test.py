@@ -4,7 +4,6 @@ none runs twice at once, no process is left over, and the results are the bytes 
 
 KEYLUME_KILLS: how many times to kill at random (12).
 """
-import hashlib
 import os
 import random
 import re
@@ -13,7 +12,7 @@ import time
 import unittest
 from pathlib import Path
 
-from service import FINAL_STATES, ServiceTestCase, wait_until
+from service import FINAL_STATES, ServiceTestCase, hashes_of, wait_until
 from small_jobs import write_job
 
 SOURCES = Path(__file__).resolve().parent.parent.parent
@@ -30,12 +29,6 @@ OF_START = ["migration_begun", "migrated"]
 OF_WORKER = ["patches_lit", "window_estimated:3", "replicate_solved:2", "file_written:2", "file_written:4",
              "file_written:9", "file_renamed:2", "file_renamed:3", "file_renamed:8", "manifest_due",
              "artefacts_published"]
-
-
-def hashes_of(folder):
-    """SHA-256 of every artefact."""
-    return {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-            for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 class armed:

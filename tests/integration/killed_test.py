@@ -9,17 +9,11 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from service import WORKER, ServiceTestCase, wait_until
+from service import WORKER, ServiceTestCase, hashes_of, wait_until
 from small_jobs import changed, write_job
 
 # Enough lines that the solve takes seconds, so that the kill falls into it.
 JOB = {"frames": 16, "line_count": 3_000_000, "estimate_line_count": 20_000}
-
-
-def hashes_of(folder):
-    """SHA-256 of every file below the artefacts folder, the manifest included."""
-    return {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-            for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 class Killed(ServiceTestCase):

@@ -1,19 +1,13 @@
 #!/usr/bin/env python3
 """Jobs are paused, resumed and tried again with the real worker, and come out bit for bit as if nothing had been."""
-import hashlib
 import time
 import unittest
 
-from service import ServiceTestCase, is_alive, wait_until
+from service import ServiceTestCase, hashes_of, is_alive, wait_until
 from small_jobs import write_job
 
 # Long enough to be stopped in the middle, short enough to be run three times.
 JOB = dict(frames=24, width=96, height=54, line_count=3_000_000, moving_line_count=3_000_000)
-
-
-def hashes_of(folder):
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
-            for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 class PauseAndRetry(ServiceTestCase):

@@ -1,4 +1,5 @@
 """A real server in a data folder of its own, on a free port; ends only what it started."""
+import hashlib
 import os
 import shutil
 import signal
@@ -38,6 +39,12 @@ def is_alive(pid):
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+def hashes_of(folder):
+    """SHA-256 of every file below the folder, by its path in there."""
+    return {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+            for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 class Service:
