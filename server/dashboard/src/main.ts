@@ -1,0 +1,4 @@
+import "./shell/theme.css";
+import { startShell } from "./shell/shell";
+
+startShell(document.getElementById("app")!);

@@ -1,0 +1,62 @@
+// The contract of the WebGL view: a mesh, weighted sums of radiosity series, a moment, a camera, a way of showing.
+import type { CameraState } from "../job/playhead";
+import type { Signal } from "../base/signal";
+
+export type Rgb = readonly [number, number, number];
+
+/** Radiosity (or its standard error) of every patch in every frame, fetched as half floats when it is needed. */
+export interface FrameSource {
+  readonly frameCount: number;
+  readonly patchCount: number;
+  /** Stored value x this = W/m^2. */
+  readonly halfScale: number;
+  /** (patches, 3) half floats of a frame, if it is here. */
+  cached(frame: number): Uint16Array | null;
+  /** Fetches a frame, and those around it when nothing else is wanted. */
+  load(frame: number): Promise<Uint16Array>;
+  /** [W/m^2] of one patch in a frame that is here, else null. */
+  value(patch: number, frame: number): Rgb | null;
+}
+
+/** Shown is the sum of gain x source over all terms: relighting has a term per light group, a difference gain -1. */
+export interface Term {
+  source: FrameSource;
+  gain: Rgb;
+}
+
+export interface Display {
+  /** Light as a camera sees it; its luminance as false colour [W/m^2]; or the reflectance, lit from the eye. */
+  what: "light" | "false-colour" | "clay";
+  /** Stops on top of the job's own exposure. */
+  exposureStops: number;
+  toneMap: "clip" | "filmic";
+  /** Blended between the patches as the pictures are, or one colour per patch. */
+  smooth: boolean;
+  borders: boolean;
+  /** Of false colour [W/m^2]; log from `from` > 0. With `signed`, -to .. to from blue to red. */
+  scale: { from: number; to: number; log: boolean; signed: boolean };
+}
+
+export interface Picked {
+  patch: number;
+  object: number;
+  /** World space [m]. */
+  position: Rgb;
+}
+
+export interface LightingView {
+  readonly canvas: HTMLCanvasElement;
+  setTerms(terms: readonly Term[]): void;
+  /** In frames, fractional: the shader mixes the two stored frames around it. Shows the nearest loaded one until both are here. */
+  setTime(frame: number): void;
+  setDisplay(display: Partial<Display>): void;
+  readonly camera: Signal<CameraState>;
+  /** Uses the job's own camera `name` at the moment shown, until the user moves. */
+  followCamera(name: string): void;
+  setHighlighted(patches: readonly number[]): void;
+  /** At a point of the canvas in CSS pixels. */
+  pick(x: number, y: number): Picked | null;
+  /** Frames drawn per second lately, and seconds until the first; for the bench. */
+  readonly measured: { framesPerSecond: number; firstFrameSeconds: number | null };
+  dispose(): void;
+}
