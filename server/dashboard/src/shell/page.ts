@@ -9,6 +9,8 @@ export interface PageContext {
   readonly lifetime: Lifetime;
   /** What the tab's title and the heading say. */
   setTitle(title: string): void;
+  /** Controls beside the heading. */
+  setTools(...tools: Node[]): void;
 }
 
 /** Returns at once with what can be shown at once; the rest is filled in as it comes. */
