@@ -49,7 +49,17 @@ def with_common_answers(document):
         for method, operation in item.items():
             if method != "parameters":
                 operation["responses"] = {**common, **{str(status): answer for status, answer in operation["responses"].items()}}
+                if method == "get":
+                    add_polling(operation["responses"])
     return document
+
+
+def add_polling(answers):
+    """JSON that is asked for has a tag, so that asking again costs a 304."""
+    whole = answers["200"]
+    if "application/json" in whole.get("content", {}):
+        whole.setdefault("headers", {}).setdefault("ETag", {"description": "Changes with the content.", "schema": {"type": "string"}})
+        answers.setdefault("304", {"$ref": "#/components/responses/Unchanged"})
 
 
 def bundled(openapi):

@@ -60,6 +60,7 @@ void send(const HttpAnswer& answer, const std::atomic<bool>& stopping, httplib::
 void send_and_close(const HttpAnswer& answer, const httplib::Request& from, httplib::Response& response) {
   body_is_read(from);
   response.body.clear();
+  response.headers.erase("Content-Type");  // the library would send it twice
   response.set_content_provider(answer.body.size(), answer.content_type,
                                 [body = answer.body](std::size_t at, std::size_t count, auto& sink) {
                                   (void)sink.write(body.data() + at, count);
