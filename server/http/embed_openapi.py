@@ -45,6 +45,7 @@ def inner_reference(reference, home, found):
 def with_common_answers(document):
     """What every operation may answer, written once in the source, in every operation."""
     common = document.pop("x-answers-of-every-operation", {})
+    document.pop("x-scopes", None)  # its lists stand where they are used
     for item in document["paths"].values():
         for method, operation in item.items():
             if method != "parameters":
