@@ -1,5 +1,6 @@
 #include "engine/worker/system_calls.h"
 
+#include <fcntl.h>
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
@@ -11,6 +12,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -56,7 +58,31 @@ constexpr std::uint32_t kRefused[] = {
     SYS_rt_tgsigqueueinfo,
     SYS_tkill,
     SYS_kcmp,
-    // what Landlock does not look at
+    SYS_sched_setaffinity,
+    SYS_sched_setattr,
+    SYS_sched_setparam,
+    SYS_sched_setscheduler,
+    SYS_setpriority,
+    SYS_ioprio_set,
+    SYS_migrate_pages,
+    SYS_move_pages,
+    // what processes of a user share: memory, semaphores, queues
+    SYS_shmget,
+    SYS_shmat,
+    SYS_shmctl,
+    SYS_semget,
+    SYS_semop,
+    SYS_semtimedop,
+    SYS_semctl,
+    SYS_msgget,
+    SYS_msgsnd,
+    SYS_msgrcv,
+    SYS_msgctl,
+    SYS_mq_open,
+    SYS_mq_unlink,
+    // what Landlock does not look at; at cutting a file by its name not before version 3
+    SYS_truncate,
+    SYS_utimensat,
     SYS_fchmod,
     SYS_fchmodat,
     SYS_fchown,
@@ -106,6 +132,9 @@ constexpr std::uint32_t kRefused[] = {
     SYS_chmod,
     SYS_chown,
     SYS_lchown,
+    SYS_utime,
+    SYS_utimes,
+    SYS_futimesat,
     SYS_iopl,
     SYS_ioperm,
     SYS_modify_ldt,
@@ -121,6 +150,9 @@ constexpr std::uint32_t kRefusedUnlessSanitized[] = {
     SYS_fork,   SYS_vfork,
 #endif
 };
+
+/// With these the kernel would send signals to other processes for us.
+constexpr std::uint32_t kRefusedOfFcntl[] = {F_SETOWN, F_SETOWN_EX, F_SETSIG};
 
 /// The instructions of a filter, which begin with the number of the call in the accumulator.
 class Filter {
@@ -141,6 +173,13 @@ class Filter {
     answer(kAllow);
     answer(kRefuse);
   }
+  /// `call` is refused where its second argument is one of `values`; the rest of it is looked at no more.
+  void refuse_by_second_argument(std::uint32_t call, std::span<const std::uint32_t> values) {
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, static_cast<std::uint8_t>(2 * values.size() + 2)));
+    load(offsetof(seccomp_data, args[1]));
+    for (const std::uint32_t value : values) answer_if_equal(value, kRefuse);
+    answer(kAllow);
+  }
   void add(sock_filter instruction) { instructions_.push_back(instruction); }
   std::vector<sock_filter>& instructions() { return instructions_; }
 
@@ -158,6 +197,9 @@ Filter filter() {
   filter.answer(kRefuse);
   for (const std::uint32_t call : kRefused) filter.answer_if_equal(call, kRefuse);
   filter.answer_if_equal(SYS_clone3, kUnknown);
+  // Of itself only: a limit on processor time would kill whoever started us.
+  filter.answer_by_argument(SYS_prlimit64, BPF_JEQ, 0);
+  filter.refuse_by_second_argument(SYS_fcntl, kRefusedOfFcntl);
   if (kMemoryCanBeLimited) {  // no sanitizer
     for (const std::uint32_t call : kRefusedUnlessSanitized) filter.answer_if_equal(call, kRefuse);
     filter.answer_by_argument(SYS_clone, BPF_JSET, CLONE_THREAD);

@@ -3,15 +3,22 @@
 //
 //   sandboxed JOB_FOLDER OUTSIDE_FOLDER
 #include <fcntl.h>
+#include <mqueue.h>
 #include <netinet/in.h>
+#include <sched.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/ipc.h>
 #include <sys/mman.h>
 #include <sys/mount.h>
+#include <sys/msg.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
+#include <sys/sem.h>
+#include <sys/shm.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -77,6 +84,8 @@ void use_files(const path& job, const path& outside) {
   attempt("move in from outside",
           [&] { return rename((outside / "secret").c_str(), (job / "secret").c_str()) == 0; });
   attempt("change a mode outside", [&] { return chmod((outside / "secret").c_str(), 0777) == 0; });
+  attempt("change a time outside",
+          [&] { return utimensat(AT_FDCWD, (outside / "secret").c_str(), nullptr, 0) == 0; });
   attempt("link to outside",
           [&] { return symlink((outside / "secret").c_str(), (job / "link").c_str()) == 0; });
   attempt("make a device", [&] { return mknod((job / "device").c_str(), S_IFCHR | 0600, 0) == 0; });
@@ -95,6 +104,38 @@ void use_processes() {
     return socketpair(AF_UNIX, SOCK_STREAM, 0, ends) == 0;
   });
   attempt("signal the parent", [] { return kill(getppid(), 0) == 0; });
+  attempt("limit the parent", [] {
+    rlimit limit{};
+    return prlimit(getppid(), RLIMIT_CPU, nullptr, &limit) == 0;
+  });
+  attempt("limit itself", [] {
+    rlimit limit{};
+    return getrlimit(RLIMIT_CPU, &limit) == 0 && setrlimit(RLIMIT_CPU, &limit) == 0;
+  });
+  attempt("slow the parent", [] { return setpriority(PRIO_PROCESS, getppid(), 19) == 0; });
+  attempt("move the parent", [] {
+    cpu_set_t cores;
+    return sched_getaffinity(getppid(), sizeof cores, &cores) == 0 &&
+           sched_setaffinity(getppid(), sizeof cores, &cores) == 0;
+  });
+  attempt("reschedule the parent", [] {
+    sched_param none{};
+    return sched_setscheduler(getppid(), SCHED_BATCH, &none) == 0;
+  });
+  attempt("slow the parent's disk", [] { return syscall(SYS_ioprio_set, 1, getppid(), 3 << 13) == 0; });
+  attempt("share memory", [] { return shmget(IPC_PRIVATE, 4096, IPC_CREAT | 0600) >= 0; });
+  attempt("make semaphores", [] { return semget(IPC_PRIVATE, 1, IPC_CREAT | 0600) >= 0; });
+  attempt("make a queue", [] { return msgget(IPC_PRIVATE, IPC_CREAT | 0600) >= 0; });
+  attempt("make a named queue",
+          [] { return mq_open("/keylume-sandboxed", O_CREAT | O_RDWR, 0600, nullptr) >= 0; });
+  attempt("have the parent signaled", [] {
+    int ends[2];
+    return pipe(ends) == 0 && fcntl(ends[0], F_SETOWN, getppid()) == 0;
+  });
+  attempt("choose a signal", [] {
+    int ends[2];
+    return pipe(ends) == 0 && fcntl(ends[0], F_SETSIG, SIGKILL) == 0;
+  });
   attempt("mount", [] { return mount("none", "/mnt", "tmpfs", 0, "") == 0; });
   attempt("gain a user", [] { return setuid(getuid() + 1) == 0; });
   attempt("fork", can_fork);
