@@ -16,8 +16,6 @@ PROBLEM = "application/problem+json"
 # Of HTTP itself, and of every answer alike; what they mean is not for this document to say.
 HTTP_HEADERS = {"accept-ranges", "allow", "cache-control", "connection", "content-length", "content-range",
                 "content-type", "date", "keep-alive", "server", "transfer-encoding"}
-# An answer that no operation gives: there is none at this path, or the request never got so far.
-ELSEWHERE = {400, 401, 403, 404, 405, 408, 411, 413, 414, 415, 417, 421, 429, 431}
 
 
 def bundled():
@@ -156,8 +154,8 @@ class Contract:
         if not found:
             return self.problems_elsewhere(exchange)
         operation, values = found
-        answer = operation.responses.get(str(exchange.status))
-        if answer is None:
+        answer = operation.responses.get(str(exchange.status)) or self.of_no_operation(exchange)
+        if answer is None or exchange.status == 500:
             return [f"{operation.name}: status {exchange.status} is not in the document: {exchange.body[:300]!r}"]
         wrong = self.wrong_headers(answer, exchange) + self.wrong_body(answer, exchange)
         if 200 <= exchange.status < 300:
@@ -165,10 +163,19 @@ class Contract:
         return [f"{operation.name} {exchange.status}: {what}" for what in wrong]
 
     def problems_elsewhere(self, exchange):
-        if exchange.status not in ELSEWHERE:
+        """Of a request that no operation is for."""
+        every = self.by_name["getJob"].responses  # among them those that any operation may give
+        given = {**every, **self.document["x-answers-where-there-is-no-operation"]}
+        answer = self.resolved(given.get(str(exchange.status), {}))
+        if exchange.status < 400 or not answer:
             return [f"status {exchange.status} where the document has no operation"]
-        answer = {"headers": {}, "content": {PROBLEM: {"schema": {"$ref": "#/components/schemas/problem_document"}}}}
-        return self.wrong_body(answer, exchange)
+        return self.wrong_headers(answer, exchange) + self.wrong_body(answer, exchange)
+
+    def of_no_operation(self, exchange):
+        """What the transport refuses, whatever the operation."""
+        if exchange.status not in (411, 417, 431):
+            return None
+        return self.resolved(self.document["x-answers-where-there-is-no-operation"][str(exchange.status)])
 
     def wrong_headers(self, answer, exchange):
         wrong, known = [], {}
