@@ -1,7 +1,131 @@
-import { h } from "../base/h";
+// The queue: all jobs, what they are doing, what can be done with them.
+import { messageOf } from "../api/api_error";
+import { curlOf } from "../api/curl";
+import { submitExample } from "../api/examples";
+import { count } from "../base/format";
+import { fill, h } from "../base/h";
+import type { Lifetime } from "../base/signal";
+import { copyCurlButton } from "../shell/copy_curl";
+import { addKeys } from "../shell/keys";
 import type { OpenPage } from "../shell/page";
+import { navigate } from "../shell/router";
+import { toast, toastError } from "../shell/toast";
+import { actions, perform, setPriority } from "./actions";
+import { filterOf, filters, isFiltering } from "./filters";
+import { JobList } from "./job_list";
+import { batchEntries } from "./job_row";
+import { jobTable } from "./job_table";
+import { queuePause, queueSignal, queueSummary } from "./queue_state";
+import { Selection } from "./selection";
+import "./queue.css";
 
-export const openQueuePage: OpenPage = ({ setTitle }) => {
+export const openQueuePage: OpenPage = ({ query, lifetime, setTitle, setTools }) => {
   setTitle("Queue");
-  return h("p", null, "Jobs");
+  let filter = filterOf(query);
+  const list = new JobList(filter, lifetime);
+  const selection = new Selection();
+  const queue = queueSignal(lifetime);
+  const pause = queuePause(queue, lifetime);
+  const chosen = filters(filter, (next) => {
+    filter = next;
+    list.setFilter(next);
+  });
+  lifetime.add(queue.watch((now) => now && chosen.showCounts(now)));
+  setTools(queueSummary(queue, lifetime), pause.button, h("a", { class: "button primary", href: "/new" }, "New job"));
+
+  const table = jobTable(list, selection, lifetime, (label) => chosen.setLabel(label));
+  const message = h("div", { class: "queue-message" });
+  const more = h("button", { onclick: () => void loadMore() }, "More");
+  const known = h("span", { class: "muted" });
+  const showAll = (): void => {
+    const { state, jobs } = list;
+    const none = jobs.value.length === 0;
+    table.hidden = none;
+    more.parentElement!.hidden = list.loaded === 0;
+    more.hidden = !list.more.value;
+    known.textContent = jobs.value.length === list.loaded ? count(list.loaded, "job") : `${jobs.value.length} of the ${count(list.loaded, "job")} fetched`;
+    if (!none) return message.replaceChildren();
+    if (state.value === "loading") fill(message, h("p", { class: "muted" }, "Fetching jobs…"));
+    else if (state.value === "failed") fill(message, troubleNotice(list));
+    else fill(message, isFiltering(filter) ? nothingFits(() => chosen.clear()) : emptyNotice());
+  };
+  async function loadMore(): Promise<void> {
+    more.disabled = true;
+    await list.loadMore().catch(toastError);
+    more.disabled = false;
+    showAll();
+  }
+  const page = h("div", { class: "queue" }, pause.bar, h("div", { class: "queue-bar" }, chosen.element, selectionBar(list, selection, lifetime)),
+    table, message, h("div", { class: "row queue-foot" }, more, known));
+  for (const signal of [list.jobs, list.state, list.more]) lifetime.add((signal as { watch(listener: () => void): () => void }).watch(showAll));
+  addQueueKeys(list, selection, lifetime, table, () => chosen.focusSearch());
+  return page;
 };
+
+/** What can be done with the jobs chosen. */
+function selectionBar(list: JobList, selection: Selection, lifetime: Lifetime): HTMLElement {
+  const bar = h("div", { class: "row selection-bar", role: "toolbar", "aria-label": "Chosen jobs", hidden: true });
+  let shown = "";
+  const show = (): void => {
+    const jobs = [...selection.ids.value].flatMap((id) => list.job(id) ?? []);
+    const entries = batchEntries(jobs).filter(({ reach }) => reach > 0);
+    const next = `${jobs.length} ${entries.map(({ action, reach }) => action + reach).join()}`;
+    bar.hidden = jobs.length === 0;
+    if (next === shown) return;
+    shown = next;
+    const now = (): typeof jobs => [...selection.ids.value].flatMap((id) => list.job(id) ?? []);
+    fill(bar, h("span", null, `${jobs.length} chosen`),
+      entries.map(({ action, reach }) => h("button", { class: action === "delete" ? "bad" : "", onclick: () => void perform(action, now(), list) },
+        `${actions[action].label} ${reach}`)),
+      entries.length > 0 ? copyCurlButton(() => curlOf("POST", "/v1/jobs/batch", { json: { ids: now().map((job) => job.id), action: entries[0]!.action } }), `${actions[entries[0]!.action].label.toLowerCase()} these`) : null,
+      h("button", { onclick: () => void setPriority(now(), list) }, "Priority…"),
+      h("button", { class: "quiet", onclick: () => selection.clear() }, "None"));
+  };
+  lifetime.add(selection.ids.watch(show), list.jobs.watch(show));
+  return bar;
+}
+
+function addQueueKeys(list: JobList, selection: Selection, lifetime: Lifetime, table: HTMLElement, search: () => void): void {
+  const chosen = () => [...selection.ids.value].flatMap((id) => list.job(id) ?? []);
+  const first = (): void => (table.querySelector('tr[tabindex="0"]') as HTMLElement | null)?.focus();
+  addKeys(lifetime, "Queue", [
+    { keys: "/", does: "Search", run: search },
+    { keys: "j", does: "To the list; then arrows move, Space chooses, Shift+arrows choose several, Enter opens", run: first },
+    { keys: "Ctrl+a", does: "Choose all that are shown", run: () => selection.setAll(list.jobs.value.map((job) => job.id)) },
+    { keys: "Escape", does: "Choose none", run: () => selection.clear() },
+    { keys: "c", does: "Cancel the chosen jobs", run: () => void perform("cancel", chosen(), list) },
+    { keys: "p", does: "Pause the chosen jobs", run: () => void perform("pause", chosen(), list) },
+    { keys: "r", does: "Retry the chosen jobs", run: () => void perform("retry", chosen(), list) },
+    { keys: "Delete", does: "Delete the chosen jobs, after asking", run: () => void perform("delete", chosen(), list) },
+  ]);
+}
+
+function troubleNotice(list: JobList): HTMLElement {
+  return h("div", { class: "notice bad-notice", role: "alert" }, h("h2", null, "The jobs could not be fetched"), h("p", null, messageOf(list.error)),
+    h("button", { onclick: () => void list.reload() }, "Try again"));
+}
+
+function nothingFits(clear: () => void): HTMLElement {
+  return h("div", { class: "notice" }, h("p", null, "No job fits."), h("button", { onclick: clear }, "Show all jobs"));
+}
+
+function emptyNotice(): HTMLElement {
+  const start = h("button", { class: "primary", onclick: () => void tryExample() }, "Try the example");
+  async function tryExample(): Promise<void> {
+    start.disabled = true;
+    try {
+      const job = await submitExample("garage");
+      toast("The example is on its way", { kind: "good" });
+      navigate(`/jobs/${job.id}`);
+    } catch (error) {
+      toastError(error, "The example");
+    }
+    start.disabled = false;
+  }
+  return h("div", { class: "notice queue-empty" },
+    h("img", { src: "/examples/garage/preview.png", alt: "A toy plane above the floor of a garage, its shadow below it", width: 320, height: 180 }),
+    h("div", null,
+      h("h2", null, "No jobs yet"),
+      h("p", null, "The example is an animated scene of a garage: a toy plane flies through it. It renders in about a minute; then you can walk through its light."),
+      h("div", { class: "row" }, start, h("a", { class: "button", href: "/new" }, "Submit a scene of your own"))));
+}
