@@ -52,7 +52,7 @@ struct Sequence {
   std::span<const FrameIndex> frames;  ///< that are rendered; the columns of the radiosity
   ShadedScene stage;
   DisplayTable display;
-  Uncovered uncovered;
+  const Uncovered& uncovered;
   std::unique_ptr<StaticView> static_view = nullptr;
 };
 
@@ -285,17 +285,19 @@ api::Result<std::vector<std::string>> render_images(const Scene& scene, const Pa
     return api::Error{api::Fault::invalid_request, "no camera '" + options.camera + "'"};
   const std::vector<FrameIndex> frames = work.frames.empty() ? every_frame(animation) : work.frames;
   const double factor = exposure_factor(options, work, patches, animation, radiosity_w_m2);
-  const ShadingMesh mesh = build_shading_mesh(patches, corner_normals(scene, patches));
-  const auto textures = make_textured_view(scene, animation, patches, mesh);
+  std::optional<ShownSurfaces> made;
+  const ShownSurfaces& surfaces =
+      work.surfaces ? *work.surfaces : made.emplace(shown_surfaces(scene, patches, animation, static_rays));
+  const auto textures = make_textured_view(scene, animation, patches, surfaces.mesh);
   Sequence sequence{animation,
                     camera->second,
                     options,
                     folder,
                     progress,
                     frames,
-                    {patches, mesh, static_rays, textures.get()},
+                    {patches, surfaces.mesh, static_rays, textures.get()},
                     DisplayTable(options.tone_map, factor),
-                    find_uncovered(patches, animation, static_rays, mesh)};
+                    surfaces.uncovered};
   if (frames.size() > 1 && stands_still(sequence.poses))
     sequence.static_view =
         see_static(sequence.stage, pinhole_camera(sequence.poses[0], options.width, options.height),

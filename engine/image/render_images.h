@@ -9,6 +9,7 @@
 #include "api/result.h"
 #include "engine/animation/animation.h"
 #include "engine/base/progress.h"
+#include "engine/image/shown_surfaces.h"
 #include "engine/lighting/radiosity.h"
 #include "engine/patches/patches.h"
 #include "engine/visibility/ray_scene.h"
@@ -22,6 +23,8 @@ struct ImageWork {
   std::optional<double> auto_exposure = {};
   /// Files that are there are of this very sequence, and frames that have all theirs stay as they are.
   bool keep_finished = false;
+  /// shown_surfaces() of what is rendered, where it is there already; outlives the call.
+  const ShownSurfaces* surfaces = nullptr;
 };
 
 /// Renders frames for one camera and writes `folder`/0000.png (and .jpg, .exr) ..., each by a temporary name

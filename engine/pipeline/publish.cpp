@@ -4,8 +4,10 @@
 
 #include "engine/base/durable_file.h"
 #include "engine/base/parallel.h"
+#include "engine/image/node_rows.h"
 #include "engine/image/render_images.h"
 #include "engine/image/tone_map.h"
+#include "engine/output/shading_mesh_npz.h"
 
 namespace engine {
 namespace {
@@ -54,39 +56,42 @@ void tell_of_finished(const std::vector<api::ImageOptions>& images, const std::f
 
 }  // namespace
 
-api::Result<std::vector<Artefact>> publish_images(const LitScene& lit, const PatchSeries& radiosity_w_m2,
-                                                  const std::vector<api::ImageOptions>& images,
-                                                  const std::filesystem::path& folder,
-                                                  Checkpoints& checkpoints, StageClock& clock,
-                                                  api::JobReport& report) {
+api::Result<PublishedImages> publish_images(const LitScene& lit, const PatchSeries& radiosity_w_m2,
+                                            const std::vector<api::ImageOptions>& images,
+                                            const std::filesystem::path& folder, Checkpoints& checkpoints,
+                                            StageClock& clock, api::JobReport& report) {
   const Progress& progress = clock.begin(api::Stage::images);
   if (const auto claimed = claim_images(folder, checkpoints); !claimed) return claimed.error();
   tell_of_finished(images, folder, lit.animation.frame_count, clock, report);
-  std::vector<Artefact> artefacts;
+  PublishedImages published{{},
+                            shown_surfaces(lit.scene, lit.patches, lit.animation, lit.static_rays),
+                            auto_exposure_factor(lit.patches, lit.animation, radiosity_w_m2)};
   const auto share = [&](std::size_t k) {
     return static_cast<double>(k) / static_cast<double>(images.size());
   };
   for (std::size_t k = 0; k < images.size(); ++k) {
     const std::filesystem::path within = std::filesystem::path("images") / images[k].camera;
     if (const auto made = make_folder(folder / within); !made) return made.error();
-    const auto files =
-        render_images(lit.scene, lit.patches, lit.animation, lit.static_rays, radiosity_w_m2, images[k],
-                      folder / within, part_of(progress, share(k), share(k + 1)), {.keep_finished = true});
+    const auto files = render_images(
+        lit.scene, lit.patches, lit.animation, lit.static_rays, radiosity_w_m2, images[k], folder / within,
+        part_of(progress, share(k), share(k + 1)),
+        {.auto_exposure = published.auto_exposure, .keep_finished = true, .surfaces = &published.surfaces});
     if (!files) return files.error();
     for (const std::string& file : *files)
-      artefacts.push_back({(within / file).generic_string(), media_type_of(file)});
+      published.artefacts.push_back({(within / file).generic_string(), media_type_of(file)});
   }
   // Each camera's folder is synced with its files; its name stands in this one, whose own name is synced with
   // the files beside it.
   if (!images.empty())
     if (const auto synced = sync_folder(folder / "images"); !synced) return synced.error();
-  return artefacts;
+  return published;
 }
 
-api::Status publish_data(const LitScene& lit, const SolvedSequence& solved,
-                         const std::vector<Artefact>& images, api::UpAxis up,
-                         const std::filesystem::path& folder) {
+api::Status publish_data(const LitScene& lit, const SolvedSequence& solved, const PublishedImages& images,
+                         const api::JobRequest& request, const std::filesystem::path& folder) {
   std::vector<Artefact> artefacts;
+  const Vec3 upward = request.scene.up == api::UpAxis::y ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  const ShownAs shown_as{upward, images.auto_exposure};
   std::vector<std::function<api::Status()>>
       writers;  // side by side: one waits for the disk, another computes
   const auto publish_series = [&](const std::string& file, const PatchSeries& series) {
@@ -97,9 +102,15 @@ api::Status publish_data(const LitScene& lit, const SolvedSequence& solved,
   for (const NamedSeries& other : solved.others) publish_series(other.file, other.values_w_m2);
   artefacts.push_back({"patches.npz", "application/zip"});
   writers.emplace_back([&] {
-    const Vec3 upward = up == api::UpAxis::y ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-    const ShownAs shown_as{upward, auto_exposure_factor(lit.patches, lit.animation, solved.radiosity_w_m2)};
     return write_patches_npz(folder / "patches.npz", lit.scene, lit.patches, lit.animation, shown_as);
+  });
+  artefacts.push_back({"shading_mesh.npz", "application/zip"});
+  writers.emplace_back([&] {
+    const NodeRows rows(images.surfaces.mesh, lit.patches, images.surfaces.uncovered);
+    return write_shading_mesh_npz(
+        folder / "shading_mesh.npz",
+        {lit.scene, lit.patches, lit.animation, images.surfaces.mesh, &rows, request.images, shown_as,
+         request.fps, half_scale_of(images.auto_exposure)});
   });
   artefacts.push_back({"key_frames.json", "application/json"});
   writers.emplace_back(
@@ -109,7 +120,7 @@ api::Status publish_data(const LitScene& lit, const SolvedSequence& solved,
   parallel_for(writers.size(), [&](std::size_t k) { written[k] = writers[k](); });
   for (const api::Status& status : written)
     if (!status) return status;
-  artefacts.insert(artefacts.end(), images.begin(), images.end());
+  artefacts.insert(artefacts.end(), images.artefacts.begin(), images.artefacts.end());
   return write_manifest(folder, artefacts);
 }
 

@@ -91,7 +91,7 @@ api::Status run_pipeline(const api::JobRequest& request, const std::filesystem::
                                      checkpoints, clock, report);
   if (!images) return images.error();
   const Progress& publishing = clock.begin(api::Stage::publish);
-  const auto published = publish_data(lit, *solved, *images, request.scene.up, artefacts_folder);
+  const auto published = publish_data(lit, *solved, *images, request, artefacts_folder);
   if (!published) return published;
   api::fault_point("artefacts_published");
   checkpoints.clear();

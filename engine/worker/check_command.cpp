@@ -17,15 +17,17 @@
 namespace engine {
 namespace {
 
-/// A check writes its report and nothing else.
+/// Of the report and, where one is asked for, of the preview.
 constexpr std::uint64_t kFileBytesMax = 16u << 20;
+constexpr std::uint64_t kPreviewFileBytesMax = kPreviewBytesMax + kFileBytesMax;
 
-api::Status run_check(const JobFolder& folder, unsigned threads, const Checker& checker,
-                      const Refuser& refuser, api::JobReport& report) {
+api::Status run_check(const JobFolder& folder, const CheckCommand& command, const Checker& checker,
+                      const EngineParts& parts, api::JobReport& report) {
   const auto read = read_job_request(folder);
   if (!read) return read.error();
-  if (!read->violations.empty()) return refuser(*read, folder.input(), [] { return false; });
-  return checker(read->request, folder.input(), threads, report);
+  if (!read->violations.empty()) return parts.refuse(*read, folder.input(), [] { return false; });
+  if (command.preview) return parts.preview(read->request, folder.input(), folder.preview(), report);
+  return checker(read->request, folder.input(), command.threads, report);
 }
 
 /// ": 45 polygons, 49208 patches, 120 frames"
@@ -62,6 +64,11 @@ void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCo
 
 }  // namespace
 
+api::Status no_preview(const api::JobRequest&, const std::filesystem::path&, const std::filesystem::path&,
+                       api::JobReport&) {
+  return api::Error{api::Fault::internal, "this program makes no previews"};
+}
+
 api::ExitCode check(const CheckCommand& command, const Checker& checker, const EngineParts& parts) {
   const Clock::time_point start = Clock::now();
   if (command.parent) {
@@ -79,9 +86,10 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
                                        write_last_words(*mine, code, command, seconds_since(start));
                                    }});
   if (!watch) return give_up(watch.error());
-  const api::Status limited = limit_myself({.memory_bytes = command.memory_mb << 20,
-                                            .processor_seconds = command.seconds,
-                                            .file_bytes = kFileBytesMax});
+  const api::Status limited =
+      limit_myself({.memory_bytes = command.memory_mb << 20,
+                    .processor_seconds = command.seconds,
+                    .file_bytes = command.preview ? kPreviewFileBytesMax : kFileBytesMax});
   if (!limited) return give_up(limited.error());
   set_thread_count(1);  // what is allowed is processor time over all threads
   auto found = JobFolder::look_into(command.job_folder);
@@ -91,7 +99,7 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
   api::JobReport report;
   report.sandbox = *sandbox;
   const api::Status status =
-      without_exceptions([&] { return run_check(*folder, command.threads, checker, parts.refuse, report); });
+      without_exceptions([&] { return run_check(*folder, command, checker, parts, report); });
   complete_report(status, seconds_since(start), report);
   tell_report(report);
   if (status) tell("the job is sound" + counted(report) + forecast_text(report.forecast));

@@ -133,6 +133,9 @@ api::Result<Command> parse_check(std::span<const std::string_view> words) {
   const auto sandbox = take_switch("--sandbox", others);
   if (!sandbox) return sandbox.error();
   command.sandbox = *sandbox;
+  const auto preview = take_switch("--preview", others);
+  if (!preview) return preview.error();
+  command.preview = *preview;
   const auto folder =
       parse_words(others, [&](const Word& word) -> api::Status { return take_limit(word, command); });
   if (!folder) return folder.error();
@@ -244,7 +247,8 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
 std::string usage_line() {
   return "usage: keylume render JOB_FOLDER [--again] [--threads N] [--checkpoint-seconds N] [--parent PID]\n"
          "                      [--sandbox]\n"
-         "       keylume check JOB_FOLDER [--threads N] [--memory-mb N] [--seconds N] [--parent PID] "
+         "       keylume check JOB_FOLDER [--preview] [--threads N] [--memory-mb N] [--seconds N] [--parent "
+         "PID] "
          "[--sandbox]\n"
          "       keylume view JOB_FOLDER --name NAME [--threads N] [--memory-mb N] [--seconds N] [--parent "
          "PID] "
@@ -275,6 +279,8 @@ render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what 
 
 check    Reads the job, counts its patches and forecasts what a run takes. Says so, and in check.json; touches
          nothing else, so that a run in the same folder goes on and its report.json stays.
+  --preview       instead of the forecast leave JOB_FOLDER/preview.npz: the shapes, their motion, cameras and
+                  lights, to show the scene before it is lit
   --threads N     forecast for a run with N threads instead of all cores
   --memory-mb N   at most N MiB of memory for the job (2048)
   --seconds N     at most N seconds of processor time (60)

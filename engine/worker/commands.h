@@ -11,6 +11,7 @@
 #include "api/job_request.h"
 #include "api/read_request.h"
 #include "api/result.h"
+#include "engine/pipeline/preview_job.h"
 #include "engine/pipeline/render_view.h"
 #include "engine/pipeline/run_pipeline.h"
 #include "engine/worker/command_line.h"
@@ -45,11 +46,19 @@ using ViewRenderer = std::function<api::Status(const api::JobRequest&, const api
 api::Status no_view(const api::JobRequest&, const api::ViewRequest&, const ViewFolders&, const Progress&,
                     api::JobReport&);
 
+/// As engine::preview_job. May throw.
+using Previewer = std::function<api::Status(const api::JobRequest&, const std::filesystem::path& input_folder,
+                                            const std::filesystem::path& file, api::JobReport&)>;
+/// Shows none.
+api::Status no_preview(const api::JobRequest&, const std::filesystem::path& input_folder,
+                       const std::filesystem::path& file, api::JobReport&);
+
 /// What else of the engine a command may need.
 struct EngineParts {
   Refuser refuse = refuse_as_read;
   Fingerprinter fingerprint = unknown_fingerprint;
   ViewRenderer view = no_view;
+  Previewer preview = no_preview;
 };
 
 /// One attempt at a job: locks the folder, clears leftovers, runs `pipeline`, writes progress.ndjson and
@@ -58,8 +67,9 @@ struct EngineParts {
 /// once. Where the folder is not ours (missing, or another worker's) nothing in it is touched.
 api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, const EngineParts& parts = {});
 
-/// Runs `checker` with limits on this process, from which it does not recover, and writes check.json and
-/// nothing else: a worker may be at the folder, or have finished it.
+/// Runs `checker` (or, where the command asks for it, the previewer instead) with limits on this process,
+/// from which it does not recover, and writes check.json (and preview.npz) and nothing else: a worker may be
+/// at the folder, or have finished it.
 /// Ends the process with limit_exceeded when the processor time is used up. Call from main, once.
 api::ExitCode check(const CheckCommand& command, const Checker& checker, const EngineParts& parts = {});
 

@@ -1,5 +1,5 @@
 // JOB_FOLDER and who may work in it: input/, artefacts/, checkpoint/, progress.ndjson, report.json, .lock of
-// `render`, check.json of `check`.
+// `render`, check.json and preview.npz of `check`.
 #pragma once
 
 #include <chrono>
@@ -37,6 +37,8 @@ class JobFolder {
   std::filesystem::path report() const { return path_ / "report.json"; }
   /// The report of a check, apart from that of a run, which it must not replace.
   std::filesystem::path check_report() const { return path_ / "check.json"; }
+  /// What the scene looks like, where a check was asked for it.
+  std::filesystem::path preview() const { return path_ / "preview.npz"; }
 
  private:
   JobFolder(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}

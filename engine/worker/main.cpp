@@ -6,6 +6,7 @@
 
 #include "engine/bench/bench.h"
 #include "engine/pipeline/job_fingerprint.h"
+#include "engine/pipeline/preview_job.h"
 #include "engine/pipeline/render_view.h"
 #include "engine/pipeline/run_pipeline.h"
 #include "engine/worker/commands.h"
@@ -17,9 +18,11 @@ int main(int argc, char** argv) {
     const engine::Bench bench = [](const engine::BenchOptions& options) {
       return engine::run_bench(options, engine::this_program());
     };
-    return static_cast<int>(engine::run_worker(
-        words, engine::run_pipeline, engine::check_job, bench,
-        {.refuse = engine::refuse_job, .fingerprint = engine::job_fingerprint, .view = engine::render_view}));
+    return static_cast<int>(engine::run_worker(words, engine::run_pipeline, engine::check_job, bench,
+                                               {.refuse = engine::refuse_job,
+                                                .fingerprint = engine::job_fingerprint,
+                                                .view = engine::render_view,
+                                                .preview = engine::preview_job}));
   } catch (const std::bad_alloc&) {
     engine::tell("out of memory");
     return static_cast<int>(api::ExitCode::limit_exceeded);

@@ -43,6 +43,41 @@ def check_patches(folder):
     return count
 
 
+def check_walk(folder):
+    assert zipfile.ZipFile(folder / "shading_mesh.npz").testzip() is None
+    w, p = np.load(folder / "shading_mesh.npz", allow_pickle=False), np.load(folder / "patches.npz")
+    nodes, count = len(w["node_position"]), len(p["area_m2"])
+    # 2 m x 1 m in cells of 0.5 m: 5 x 3 points on each side; a triangle of 3 rows: 10 points.
+    assert nodes == 2 * 15 + 10 and w["node_position"].dtype == np.dtype("<f4")
+    corner = w["patch_nodes"].copy()
+    assert corner.shape == (count, 4) and corner.dtype == np.dtype("<u4")
+    assert (corner[:16] != 0xffffffff).all() and (corner[16:, 3] == 0xffffffff).all()
+    corner[16:, 3] = corner[16:, 2]  # as patches.npz repeats it
+    np.testing.assert_allclose(w["node_position"][corner], p["corners"], atol=1e-6)
+    first, patch, weight = w["row_first"], w["row_patch"], w["row_weight"]
+    assert len(first) == nodes + 1 and first[0] == 0 and first[-1] == len(patch) == len(weight)
+    np.testing.assert_allclose(np.add.reduceat(weight, first[:-1]), 1, rtol=1e-6)
+    for n in range(nodes):  # equal patches around: their mean
+        around = sorted(np.nonzero((w["patch_nodes"] == n).any(axis=1))[0])
+        assert sorted(patch[first[n]:first[n + 1]]) == around
+    assert (w["patch_object"] == p["object"]).all() and (w["patch_material"] == p["material"]).all()
+    assert w["patch_facet"].tolist() == [0] * 16 + [1] * 9
+    np.testing.assert_allclose(w["patch_reflectance"][[0, 20]], [[.3, .3, .3], [.6, .1, .1]], rtol=1e-6)
+    assert w["object_names"].tolist() == p["object_names"].tolist()
+    assert w["poses"].dtype == np.dtype("<f4") and (w["poses"] == p["poses"]).all()
+    assert (w["visible"] == p["visible"]).all() and w["material_emits"].tolist() == [0, 1]
+    assert w["camera_names"].tolist() == ["above", "side"]
+    assert w["camera_position"][1].tolist() == [[0, -4, 1], [1, -4, 1], [2, -4, 1]]
+    np.testing.assert_allclose(w["camera_forward"][:, 0], [[0, 0, -1], [0, 1, 0]], atol=1e-6)
+    np.testing.assert_allclose(w["camera_up"][:, 2], [[0, 1, 0], [0, 0, 1]], atol=1e-6)
+    assert w["camera_vertical_fov_deg"].tolist() == [[40] * 3, [50] * 3]
+    assert w["image_size"].tolist() == [[0, 0], [640, 360]]
+    assert w["light_names"].tolist() == ["lamp"] and w["light_kind"].tolist() == [1]
+    assert w["light_position"].tolist() == [[[1, 2, 3]] * 3] and w["light_direction"].tolist() == [[[0, 0, -1]] * 3]
+    assert w["up"].tolist() == [0, 0, 1] and w["fps"].tolist() == [12.5]
+    assert w["auto_exposure"].tolist() == [0.25] and w["half_scale"].tolist() == [2]
+
+
 def check_manifest(folder):
     artefacts = json.loads((folder / "manifest.json").read_text())["artefacts"]
     assert [a["path"] for a in artefacts] == ["radiosity.npy", "patches.npz"]
@@ -54,8 +89,9 @@ def check_manifest(folder):
 with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
     first, second = written_sample(pathlib.Path(one)), written_sample(pathlib.Path(two))
     check_radiosity(first, check_patches(first))
+    check_walk(first)
     check_manifest(first)
     names = sorted(f.name for f in first.iterdir())
-    assert names == ["manifest.json", "patches.npz", "radiosity.npy"], names  # no temporary is left
+    assert names == ["manifest.json", "patches.npz", "radiosity.npy", "shading_mesh.npz"], names  # no temporary is left
     for name in names:
         assert (first / name).read_bytes() == (second / name).read_bytes(), name

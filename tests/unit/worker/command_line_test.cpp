@@ -54,6 +54,14 @@ TEST(CommandLine, CheckTakesItsLimits) {
   ASSERT_TRUE(command);
   EXPECT_EQ(std::get<CheckCommand>(*command).memory_mb, 512u);
   EXPECT_EQ(std::get<CheckCommand>(*command).seconds, 9u);
+  EXPECT_FALSE(std::get<CheckCommand>(*command).preview);
+}
+
+TEST(CommandLine, APreviewIsOfACheckAlone) {
+  const auto command = parse({"check", "job", "--preview", "--sandbox"});
+  ASSERT_TRUE(command) << command.error().message;
+  EXPECT_TRUE(std::get<CheckCommand>(*command).preview);
+  EXPECT_NE(refusal({"render", "job", "--preview"}), "");
 }
 
 TEST(CommandLine, BenchTakesItsOptionsAndQuickWithoutAValue) {
