@@ -1,14 +1,18 @@
 // What the parts of a job's page share. Each part is a folder of job/ with one function of this kind.
 import type { Job } from "../api/types";
 import type { Lifetime, Signal } from "../base/signal";
-import type { FrameSource, LightingView } from "../scene/lighting_view";
+import type { FrameSource, LightingView, Term } from "../scene/lighting_view";
+import type { ShadingMesh } from "../scene/shading_mesh";
 import type { Playhead } from "./playhead";
 
 /** The lighting in the browser; there once Walk has fetched the mesh of a job that has succeeded. */
 export interface LightStage {
   readonly view: LightingView;
+  readonly mesh: ShadingMesh;
   /** Of every patch: "radiosity", "radiosity_se", "radiosity_GROUP". The same source for the same name. */
   source(series: string): FrameSource;
+  /** What is shown as light: the radiosity, or the groups of lights as bright as they are set. */
+  readonly light: Signal<readonly Term[]>;
 }
 
 export interface JobContext {

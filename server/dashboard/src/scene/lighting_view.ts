@@ -12,8 +12,10 @@ export interface FrameSource {
   readonly halfScale: number;
   /** (patches, 3) half floats of a frame, if it is here. */
   cached(frame: number): Uint16Array | null;
-  /** Fetches a frame, and those around it when nothing else is wanted. */
+  /** Rejects where it cannot be fetched. */
   load(frame: number): Promise<Uint16Array>;
+  /** Fetches what is missing of the next `count` frames, some at a time; asked often, it costs nothing. */
+  prefetch(frame: number, direction: 1 | -1, count: number): void;
   /** [W/m^2] of one patch in a frame that is here, else null. */
   value(patch: number, frame: number): Rgb | null;
 }
@@ -27,6 +29,8 @@ export interface Term {
 export interface Display {
   /** Light as a camera sees it; its luminance as false colour [W/m^2]; or the reflectance, lit from the eye. */
   what: "light" | "false-colour" | "clay";
+  /** In clay: objects that ever move are tinted. */
+  tintMoving: boolean;
   /** Stops on top of the job's own exposure. */
   exposureStops: number;
   toneMap: "clip" | "filmic";
@@ -46,14 +50,19 @@ export interface Picked {
 
 export interface LightingView {
   readonly canvas: HTMLCanvasElement;
+  /** Lists are compared by identity: another list is another light. */
   setTerms(terms: readonly Term[]): void;
   /** In frames, fractional: the shader mixes the two stored frames around it. Shows the nearest loaded one until both are here. */
   setTime(frame: number): void;
   setDisplay(display: Partial<Display>): void;
   readonly camera: Signal<CameraState>;
-  /** Uses the job's own camera `name` at the moment shown, until the user moves. */
-  followCamera(name: string): void;
+  /** The job's own camera `name` as time goes on, until the user moves or it is null. */
+  followCamera(name: string | null): void;
+  /** The camera that is followed. */
+  readonly following: Signal<string | null>;
   setHighlighted(patches: readonly number[]): void;
+  /** Why light that is wanted could not be fetched; null while all is well. */
+  readonly trouble: Signal<string | null>;
   /** At a point of the canvas in CSS pixels. */
   pick(x: number, y: number): Picked | null;
   /** Frames drawn per second lately, and seconds until the first; for the bench. */

@@ -1,0 +1,150 @@
+// From frames of half floats to the radiosity of patches and nodes at a moment, on the graphics processor: sums of
+// gain x mix(frame before, frame after), then the rows of the mesh's matrix.
+import {
+  BufferAttribute, BufferGeometry, Camera, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, RawShaderMaterial, Vector3,
+  WebGLRenderTarget,
+} from "three";
+import type { DataTexture, WebGLRenderer } from "three";
+import type { Term } from "./lighting_view";
+import type { ShadingMesh } from "./shading_mesh";
+import { kNodeFragment, kPatchFragment, kWholeTargetVertex } from "./shaders";
+import { fillTexture, halfTexture, kHalfsPerRow, kTexelsPerRow, rowsFor, uintTexture } from "./texels";
+
+/** A frame on the graphics processor. */
+interface Loaded {
+  readonly texture: DataTexture;
+  source: Term["source"] | null;
+  frame: number;
+}
+
+function target(count: number): WebGLRenderTarget {
+  const made = new WebGLRenderTarget(kTexelsPerRow, rowsFor(count, kTexelsPerRow), {
+    type: FloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false, generateMipmaps: false,
+  });
+  return made;
+}
+
+function pass(fragmentShader: string, uniforms: Record<string, { value: unknown }>): RawShaderMaterial {
+  return new RawShaderMaterial({
+    glslVersion: GLSL3, vertexShader: kWholeTargetVertex, fragmentShader, uniforms,
+    blending: NoBlending, depthTest: false, depthWrite: false,
+  });
+}
+
+export class LightPasses {
+  private readonly sums: [WebGLRenderTarget, WebGLRenderTarget];
+  private readonly nodeTarget: WebGLRenderTarget;
+  private readonly patchPass: RawShaderMaterial;
+  private readonly nodePass: RawShaderMaterial;
+  private readonly whole: Mesh<BufferGeometry, RawShaderMaterial>;
+  private readonly camera = new Camera();
+  private readonly rows: readonly DataTexture[];
+  /** Two frames for each term: before and after the moment. */
+  private loaded: Loaded[] = [];
+
+  constructor(
+    private readonly renderer: WebGLRenderer,
+    private readonly mesh: ShadingMesh,
+  ) {
+    this.sums = [target(mesh.patchCount), target(mesh.patchCount)];
+    this.nodeTarget = target(mesh.nodeCount);
+    this.patchPass = pass(kPatchFragment, {
+      sum: { value: null }, before: { value: null }, after: { value: null }, gain: { value: new Vector3() },
+      weight: { value: 0 }, first: { value: 1 }, width: { value: kTexelsPerRow }, halfWidth: { value: kHalfsPerRow },
+    });
+    const first = uintTexture(mesh.rowFirst, 1);
+    const entries = new Uint32Array(2 * mesh.rowPatch.length);
+    const weights = new Uint32Array(mesh.rowWeight.buffer, mesh.rowWeight.byteOffset, mesh.rowWeight.length);
+    for (let k = 0; k < mesh.rowPatch.length; ++k) {
+      entries[2 * k] = mesh.rowPatch[k]!;
+      entries[2 * k + 1] = weights[k]!;
+    }
+    const row = uintTexture(entries, 2);
+    this.rows = [first, row];
+    this.nodePass = pass(kNodeFragment, {
+      patches: { value: null }, rowFirst: { value: first }, row: { value: row }, width: { value: kTexelsPerRow },
+      patchWidth: { value: kTexelsPerRow }, rowWidth: { value: kTexelsPerRow }, nodeCount: { value: mesh.nodeCount },
+    });
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
+    this.whole = new Mesh(geometry, this.patchPass);
+    this.whole.frustumCulled = false;
+  }
+
+  /** [W/m^2] RGBA, kTexelsPerRow wide. */
+  get patches() {
+    return this.sums[0].texture;
+  }
+  get nodes() {
+    return this.nodeTarget.texture;
+  }
+
+  /**
+   * Light at `time` [frames], as good as what is loaded allows: where one of the two frames around it is missing, the other
+   * stands for it. False, and nothing changes, where a term has neither.
+   */
+  update(terms: readonly Term[], time: number): boolean {
+    const before = Math.floor(time);
+    const weight = time - before;
+    const frames = terms.map(({ source }) => {
+      const last = source.frameCount - 1;
+      const a = source.cached(Math.min(before, last));
+      const b = weight > 0 ? source.cached(Math.min(before + 1, last)) : a;
+      return { a: a ?? b, b: b ?? a, frameA: a ? before : before + 1, frameB: b ? before + (weight > 0 ? 1 : 0) : before };
+    });
+    if (frames.some(({ a }) => a === null)) return false;
+    this.makeRoom(2 * terms.length);
+    terms.forEach((term, k) => {
+      const { a, b, frameA, frameB } = frames[k]!;
+      this.turnOver(k, term, frameA);
+      const first = this.load(2 * k, term, frameA, a!);
+      const second = frameB === frameA ? first : this.load(2 * k + 1, term, frameB, b!);
+      this.add(term, first, second, weight, k === 0);
+    });
+    this.draw(this.nodePass, { patches: this.patches }, this.nodeTarget);
+    return true;
+  }
+
+  dispose(): void {
+    for (const each of [...this.sums, this.nodeTarget, this.patchPass, this.nodePass, this.whole.geometry, ...this.rows])
+      each.dispose();
+    for (const { texture } of this.loaded) texture.dispose();
+  }
+
+  private makeRoom(count: number): void {
+    while (this.loaded.length < count)
+      this.loaded.push({ texture: halfTexture(this.mesh.patchCount), source: null, frame: -1 });
+    for (const { texture } of this.loaded.splice(count)) texture.dispose();
+  }
+
+  /** While time goes on, the frame after becomes the frame before: it is not sent again. */
+  private turnOver(k: number, term: Term, frame: number): void {
+    const [a, b] = [this.loaded[2 * k]!, this.loaded[2 * k + 1]!];
+    if (b.source === term.source && b.frame === frame) [this.loaded[2 * k], this.loaded[2 * k + 1]] = [b, a];
+  }
+
+  private load(place: number, { source }: Term, frame: number, values: Uint16Array): DataTexture {
+    const loaded = this.loaded[place]!;
+    if (loaded.source !== source || loaded.frame !== frame) {
+      fillTexture(loaded.texture, values);
+      loaded.source = source;
+      loaded.frame = frame;
+    }
+    return loaded.texture;
+  }
+
+  private add(term: Term, before: DataTexture, after: DataTexture, weight: number, first: boolean): void {
+    const gain = new Vector3(...term.gain).multiplyScalar(term.source.halfScale);
+    const sum = this.patches;
+    this.sums.reverse();
+    this.draw(this.patchPass, { sum, before, after, weight, gain, first: first ? 1 : 0 }, this.sums[0]);
+  }
+
+  private draw(material: RawShaderMaterial, uniforms: Record<string, unknown>, into: WebGLRenderTarget): void {
+    for (const [name, value] of Object.entries(uniforms)) material.uniforms[name]!.value = value;
+    this.whole.material = material;
+    this.renderer.setRenderTarget(into);
+    this.renderer.render(this.whole, this.camera);
+    this.renderer.setRenderTarget(null);
+  }
+}

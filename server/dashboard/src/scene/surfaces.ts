@@ -1,0 +1,143 @@
+// The patches as three.js meshes: four corners for each, one mesh per object and way of being seen from behind.
+import {
+  BufferAttribute, BufferGeometry, DoubleSide, FrontSide, GLSL3, Matrix4, Mesh, RawShaderMaterial, Sphere, Vector3,
+} from "three";
+import type { Material } from "three";
+import type { ShadingMesh } from "./shading_mesh";
+import { kNoNode } from "./shading_mesh";
+import { kSurfaceVertex } from "./shaders";
+
+export interface Surface {
+  readonly mesh: Mesh<BufferGeometry, Material>;
+  readonly object: number;
+  /** Its back is there and black; else another patch is, or nothing to see. */
+  readonly blackBack: boolean;
+}
+
+/** Uniforms that all surfaces share are the same objects. */
+export function surfaceMaterial(fragmentShader: string, uniforms: Record<string, { value: unknown }>, blackBack: boolean): RawShaderMaterial {
+  return new RawShaderMaterial({
+    glslVersion: GLSL3, vertexShader: kSurfaceVertex, fragmentShader,
+    uniforms: { ...uniforms, blackBack: { value: blackBack }, tint: { value: new Vector3() } },
+    side: blackBack ? DoubleSide : FrontSide,
+  });
+}
+
+export function cornerCount(mesh: ShadingMesh, patch: number): 3 | 4 {
+  return mesh.patchNodes[4 * patch + 3] === kNoNode ? 3 : 4;
+}
+
+export function cornerOf(mesh: ShadingMesh, patch: number, corner: number, to: Vector3): Vector3 {
+  return to.fromArray(mesh.nodePosition, 3 * mesh.patchNodes[4 * patch + corner]!);
+}
+
+/** (first corner), (edge to the second) x (edge to the last). */
+export function normalOf(mesh: ShadingMesh, patch: number): Vector3 {
+  const p = [0, 1, cornerCount(mesh, patch) - 1].map((corner) => cornerOf(mesh, patch, corner, new Vector3()));
+  return p[1]!.sub(p[0]!).cross(p[2]!.sub(p[0]!)).normalize();
+}
+
+/** [patch]: does its facet have patches on both sides? */
+function haveBothSides(mesh: ShadingMesh): Uint8Array {
+  const first = new Map<number, Vector3>();
+  const both = new Set<number>();
+  for (let patch = 0; patch < mesh.patchCount; ++patch) {
+    const facet = mesh.patchFacet[patch]!;
+    const known = first.get(facet);
+    if (!known) first.set(facet, normalOf(mesh, patch));
+    else if (!both.has(facet) && known.dot(normalOf(mesh, patch)) < 0) both.add(facet);
+  }
+  return Uint8Array.from({ length: mesh.patchCount }, (_, patch) => (both.has(mesh.patchFacet[patch]!) ? 1 : 0));
+}
+
+export function buildSurfaces(mesh: ShadingMesh, materialOf: (blackBack: boolean) => Material): Surface[] {
+  const both = haveBothSides(mesh);
+  const groups = new Map<string, number[]>();
+  for (let patch = 0; patch < mesh.patchCount; ++patch) {
+    const key = `${mesh.patchObject[patch]} ${both[patch]}`;
+    const group = groups.get(key);
+    if (group) group.push(patch);
+    else groups.set(key, [patch]);
+  }
+  return Array.from(groups, ([key, patches]) => {
+    const [object, isBoth] = key.split(" ").map(Number);
+    const blackBack = isBoth === 0;
+    const surface = new Mesh(geometryOf(mesh, patches), materialOf(blackBack));
+    surface.matrixAutoUpdate = false;
+    return { mesh: surface, object: object!, blackBack };
+  });
+}
+
+function geometryOf(mesh: ShadingMesh, patches: readonly number[]): BufferGeometry {
+  const position = new Float32Array(12 * patches.length);
+  const patchId = new Uint32Array(4 * patches.length);
+  const corner = new Uint8Array(4 * patches.length);
+  const index: number[] = [];
+  patches.forEach((patch, k) => {
+    const corners = cornerCount(mesh, patch);
+    for (let c = 0; c < 4; ++c) {
+      const node = mesh.patchNodes[4 * patch + Math.min(c, corners - 1)]!;
+      position.set(mesh.nodePosition.subarray(3 * node, 3 * node + 3), 3 * (4 * k + c));
+      patchId[4 * k + c] = patch;
+      corner[4 * k + c] = c;
+    }
+    index.push(4 * k, 4 * k + 1, 4 * k + 2);
+    if (corners === 4) index.push(4 * k, 4 * k + 2, 4 * k + 3);
+  });
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(position, 3));
+  geometry.setAttribute("patchId", new BufferAttribute(patchId, 1));
+  geometry.setAttribute("corner", new BufferAttribute(corner, 1));
+  geometry.setIndex(index);
+  geometry.computeBoundingSphere();
+  return geometry;
+}
+
+/** Object -> world at `time` [frames]; between frames the poses are mixed. */
+export function poseAt(mesh: ShadingMesh, object: number, time: number, to: Matrix4): Matrix4 {
+  const before = Math.min(Math.floor(time), mesh.frameCount - 1);
+  const after = Math.min(before + 1, mesh.frameCount - 1);
+  const usable = isVisible(mesh, object, before) && isVisible(mesh, object, after);
+  const w = usable ? time - before : 0;
+  const at = 12 * (object * mesh.frameCount + before);
+  const next = 12 * (object * mesh.frameCount + after);
+  const m = (k: number) => (1 - w) * mesh.poses[at + k]! + w * mesh.poses[next + k]!;
+  return to.set(m(0), m(1), m(2), m(3), m(4), m(5), m(6), m(7), m(8), m(9), m(10), m(11), 0, 0, 0, 1);
+}
+
+export function isVisible(mesh: ShadingMesh, object: number, frame: number): boolean {
+  return mesh.visible[object * mesh.frameCount + frame] === 1;
+}
+
+/** Does the object ever change its place or come and go? */
+export function moves(mesh: ShadingMesh, object: number): boolean {
+  const first = object * mesh.frameCount;
+  for (let frame = 1; frame < mesh.frameCount; ++frame) {
+    if (mesh.visible[first + frame] !== mesh.visible[first]) return true;
+    for (let k = 0; k < 12; ++k) if (mesh.poses[12 * (first + frame) + k] !== mesh.poses[12 * first + k]) return true;
+  }
+  return false;
+}
+
+/** Puts every surface where its object is. */
+export function place(mesh: ShadingMesh, surfaces: readonly Surface[], time: number): void {
+  const frame = Math.min(Math.round(time), mesh.frameCount - 1);
+  for (const { mesh: surface, object } of surfaces) {
+    surface.visible = isVisible(mesh, object, frame);
+    poseAt(mesh, object, time, surface.matrix);
+    surface.matrixWorldNeedsUpdate = true;
+  }
+}
+
+/** Around all that is there in frame 0. */
+export function boundsOf(surfaces: readonly Surface[]): Sphere {
+  const all = new Sphere(new Vector3(), -1);
+  for (const { mesh } of surfaces) {
+    if (!mesh.visible || !mesh.geometry.boundingSphere) continue;
+    const one = mesh.geometry.boundingSphere.clone().applyMatrix4(mesh.matrix);
+    if (all.radius < 0) all.copy(one);
+    else all.union(one);
+  }
+  if (all.radius <= 0) all.set(new Vector3(), 1);
+  return all;
+}

@@ -1,0 +1,288 @@
+// The view of lighting_view.ts by three.js: draws only when something has changed.
+import { Color, Scene, Vector2, Vector3, Vector4, WebGLRenderer } from "three";
+import type { DataTexture, RawShaderMaterial } from "three";
+import { Lifetime, Signal } from "../base/signal";
+import type { CameraState } from "../job/playhead";
+import { CameraControl } from "./camera_control";
+import { LightPasses } from "./light_passes";
+import type { Display, LightingView, Picked, Term } from "./lighting_view";
+import { paletteTexels } from "./palette";
+import { Picker } from "./picker";
+import { cameraAt, type ShadingMesh } from "./shading_mesh";
+import { kSurfaceFragment } from "./shaders";
+import { boundsOf, buildSurfaces, moves, place, surfaceMaterial, type Surface } from "./surfaces";
+import { byteTexture, kTexelsPerRow, rgbTexture, uintTexture } from "./texels";
+import { kFilmicScale } from "./tone_curve";
+import { DataTexture as Texture, LinearFilter, NoColorSpace, Sphere } from "three";
+
+export class NoWebGl extends Error {}
+
+const kPrefetchFrames = 48;
+const kMeasuredMs = 1000;
+const kMovingTint = new Vector3(0.2, 0.55, 1);
+
+const kFirstDisplay: Display = {
+  what: "light", tintMoving: false, exposureStops: 0, toneMap: "filmic", smooth: true, borders: false,
+  scale: { from: 0, to: 1, log: false, signed: false },
+};
+
+/** Throws NoWebGl where the browser has no WebGL 2 with float targets. `opened`: performance.now() to measure from. */
+export function createLightingView(canvas: HTMLCanvasElement, mesh: ShadingMesh, opened = performance.now()): LightingView {
+  return new WebGlView(canvas, mesh, opened);
+}
+
+function rendererOn(canvas: HTMLCanvasElement): WebGLRenderer {
+  const context = canvas.getContext("webgl2", { antialias: true, alpha: false, powerPreference: "high-performance" });
+  if (!context) throw new NoWebGl("this browser shows no WebGL 2");
+  if (!context.getExtension("EXT_color_buffer_float")) throw new NoWebGl("this graphics processor cannot draw into floats");
+  const renderer = new WebGLRenderer({ canvas, context });
+  renderer.autoClear = false;
+  return renderer;
+}
+
+function paletteTexture(): DataTexture {
+  const texture = new Texture(paletteTexels(), 256, 2);
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.colorSpace = NoColorSpace;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+class WebGlView implements LightingView {
+  readonly camera: Signal<CameraState>;
+  readonly following = new Signal<string | null>(null);
+  readonly trouble = new Signal<string | null>(null);
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly surfaces: Surface[];
+  private readonly bounds: Sphere;
+  private readonly passes: LightPasses;
+  private readonly control: CameraControl;
+  private readonly picker: Picker;
+  private readonly marked: DataTexture;
+  private readonly uniforms: Record<string, { value: unknown }>;
+  private readonly materials: readonly RawShaderMaterial[];
+  private readonly lifetime = new Lifetime();
+  private display: Display = kFirstDisplay;
+  private terms: readonly Term[] = [];
+  private time = 0;
+  private lightChanged = true;
+  private wanted = 0; // of requestAnimationFrame; 0: none
+  private lastDrawn = 0;
+  private drawn: number[] = [];
+  private firstSeconds: number | null = null;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    private readonly mesh: ShadingMesh,
+    private readonly opened: number,
+  ) {
+    this.renderer = rendererOn(canvas);
+    this.passes = new LightPasses(this.renderer, mesh);
+    this.marked = byteTexture(mesh.patchCount);
+    this.uniforms = this.makeUniforms();
+    this.materials = [false, true].map((blackBack) => surfaceMaterial(kSurfaceFragment, this.uniforms, blackBack));
+    this.surfaces = buildSurfaces(mesh, (blackBack) => this.materials[blackBack ? 1 : 0]!);
+    place(mesh, this.surfaces, 0);
+    this.bounds = boundsOf(this.surfaces);
+    this.tintMovingSurfaces();
+    this.scene.add(...this.surfaces.map(({ mesh: surface }) => surface));
+    this.scene.matrixWorldAutoUpdate = true;
+    this.control = new CameraControl(canvas, mesh.up, this.bounds, this.firstCamera());
+    this.camera = this.control.state;
+    this.picker = new Picker(this.renderer, mesh, this.surfaces, this.uniforms);
+    this.listen();
+  }
+
+  setTerms(terms: readonly Term[]): void {
+    if (terms === this.terms) return;
+    this.terms = terms;
+    this.lightChanged = true;
+    this.draw();
+  }
+
+  setTime(frame: number): void {
+    this.time = Math.min(Math.max(frame, 0), this.mesh.frameCount - 1);
+    this.lightChanged = true;
+    this.lead();
+    this.draw();
+  }
+
+  setDisplay(display: Partial<Display>): void {
+    this.display = { ...this.display, ...display };
+    const { what, exposureStops, toneMap, smooth, borders, scale, tintMoving } = this.display;
+    const u = this.uniforms;
+    u["what"]!.value = what === "light" ? 0 : what === "false-colour" ? 1 : 2;
+    u["exposure"]!.value = (this.mesh.autoExposure * 2 ** exposureStops) / Math.PI;
+    u["toneMap"]!.value = toneMap === "filmic" ? 1 : 0;
+    u["smoothShaded"]!.value = smooth;
+    u["borders"]!.value = borders;
+    (u["scale"]!.value as Vector4).set(scale.from, scale.to, scale.log ? 1 : 0, scale.signed ? 1 : 0);
+    for (const { mesh: surface, object } of this.surfaces) surface.userData["tint"] = tintMoving && moves(this.mesh, object);
+    this.draw();
+  }
+
+  followCamera(name: string | null): void {
+    if (name !== null) this.control.moved.value = false;
+    this.following.value = name;
+    this.lead();
+    this.draw();
+  }
+
+  setHighlighted(patches: readonly number[]): void {
+    const texels = this.marked.image.data as unknown as Uint8Array;
+    texels.fill(0);
+    for (const patch of patches) if (patch < this.mesh.patchCount) texels[patch] = 255;
+    this.marked.needsUpdate = true;
+    this.draw();
+  }
+
+  pick(x: number, y: number): Picked | null {
+    const size = new Vector2(this.canvas.clientWidth, this.canvas.clientHeight);
+    place(this.mesh, this.surfaces, this.time);
+    return this.picker.pick(this.scene, this.control.camera, size, x, y, this.time);
+  }
+
+  get measured() {
+    const since = performance.now() - kMeasuredMs;
+    this.drawn = this.drawn.filter((at) => at > since);
+    return { framesPerSecond: (this.drawn.length * 1000) / kMeasuredMs, firstFrameSeconds: this.firstSeconds };
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.wanted);
+    this.lifetime.end();
+    this.control.dispose();
+    this.picker.dispose();
+    this.passes.dispose();
+    for (const { mesh: surface } of this.surfaces) surface.geometry.dispose();
+    for (const material of this.materials) material.dispose();
+    for (const { value } of Object.values(this.uniforms)) if (value instanceof Texture) value.dispose();
+    this.renderer.dispose();
+  }
+
+  private makeUniforms(): Record<string, { value: unknown }> {
+    const reflectance = rgbTexture(this.mesh.patchReflectance);
+    return {
+      patchNodes: { value: uintTexture(this.mesh.patchNodes, 4) }, patchWidth: { value: kTexelsPerRow },
+      nodeWidth: { value: kTexelsPerRow }, patches: { value: null }, nodeValues: { value: null },
+      palette: { value: paletteTexture() }, reflectance: { value: reflectance }, marked: { value: this.marked },
+      what: { value: 0 }, toneMap: { value: 1 }, smoothShaded: { value: true }, borders: { value: false },
+      hasLight: { value: false }, scale: { value: new Vector4(0, 1, 0, 0) },
+      exposure: { value: this.mesh.autoExposure / Math.PI }, filmicScale: { value: kFilmicScale },
+    };
+  }
+
+  /** The tint is set just before a surface is drawn: surfaces share their materials. */
+  private tintMovingSurfaces(): void {
+    const none = new Vector3();
+    for (const { mesh: surface } of this.surfaces)
+      surface.onBeforeRender = (_renderer, _scene, _camera, _geometry, material) => {
+        const tint = (material as RawShaderMaterial).uniforms["tint"];
+        if (!tint) return;
+        tint.value = surface.userData["tint"] ? kMovingTint : none;
+        (material as RawShaderMaterial).uniformsNeedUpdate = true;
+      };
+  }
+
+  private listen(): void {
+    this.scene.background = new Color(0x000000);
+    this.lifetime.add(
+      this.control.state.watch(() => this.draw()),
+      this.control.moved.watch((moved) => moved && (this.following.value = null)),
+    );
+    const resized = new ResizeObserver(() => this.resize());
+    resized.observe(this.canvas);
+    this.lifetime.add(() => resized.disconnect());
+    this.resize();
+    this.setDisplay({});
+  }
+
+  /** The job's first camera, else from outside. */
+  private firstCamera(): CameraState {
+    if (this.mesh.cameras.names.length > 0) return this.aimed(cameraAt(this.mesh, 0, 0));
+    const { center, radius } = this.bounds;
+    return {
+      position: [center.x + radius, center.y + radius * 0.8, center.z + radius * 0.8],
+      target: [center.x, center.y, center.z], verticalFovDeg: 50,
+    };
+  }
+
+  /** What a camera looks at, as far away as the middle of the scene: orbiting goes around it. */
+  private aimed(state: CameraState): CameraState {
+    const eye = new Vector3(...state.position);
+    const along = new Vector3(...state.target).sub(eye).normalize();
+    const { center, radius } = this.bounds;
+    const far = Math.min(Math.max(center.clone().sub(eye).dot(along), radius / 10), 2 * radius);
+    const at = eye.addScaledVector(along, far);
+    return { ...state, target: [at.x, at.y, at.z] };
+  }
+
+  private lead(): void {
+    const camera = this.following.value === null ? -1 : this.mesh.cameras.names.indexOf(this.following.value);
+    if (camera >= 0) this.control.state.value = this.aimed(cameraAt(this.mesh, camera, this.time));
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.control.camera.aspect = clientWidth / clientHeight;
+    this.control.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  private draw(): void {
+    if (this.wanted === 0 && !this.lifetime.ended) this.wanted = requestAnimationFrame((now) => this.drawNow(now));
+  }
+
+  private drawNow(now: number): void {
+    this.wanted = 0;
+    if (this.lightChanged) this.updateLight();
+    if (this.control.walking) this.control.walk(Math.min((now - this.lastDrawn) / 1000, 0.1));
+    place(this.mesh, this.surfaces, this.time);
+    this.renderer.clear();
+    this.renderer.render(this.scene, this.control.camera);
+    this.lastDrawn = now;
+    this.drawn.push(performance.now());
+    if (this.firstSeconds === null && (this.uniforms["hasLight"]!.value || this.terms.length === 0))
+      this.firstSeconds = (performance.now() - this.opened) / 1000;
+    if (this.control.walking) this.draw();
+  }
+
+  private updateLight(): void {
+    this.lightChanged = false;
+    if (this.terms.length === 0) {
+      this.uniforms["hasLight"]!.value = false;
+      return;
+    }
+    if (this.passes.update(this.terms, this.time)) {
+      this.uniforms["hasLight"]!.value = true;
+      this.uniforms["patches"]!.value = this.passes.patches;
+      this.uniforms["nodeValues"]!.value = this.passes.nodes;
+    }
+    this.fetchMissing();
+  }
+
+  private fetchMissing(): void {
+    const before = Math.floor(this.time);
+    const frames = this.time > before ? [before, before + 1] : [before];
+    for (const { source } of this.terms) {
+      const missing = frames.filter((frame) => frame < source.frameCount && source.cached(frame) === null);
+      if (missing.length === 0) source.prefetch(before, 1, kPrefetchFrames);
+      for (const frame of missing) source.load(frame).then(() => this.arrived(), (error: unknown) => this.failed(error));
+    }
+  }
+
+  private arrived(): void {
+    this.trouble.value = null;
+    this.lightChanged = true;
+    this.draw();
+  }
+
+  private failed(error: unknown): void {
+    if (this.lifetime.ended) return;
+    this.trouble.value = error instanceof Error ? error.message : String(error);
+  }
+}
