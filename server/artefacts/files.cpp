@@ -141,8 +141,26 @@ api::Status sync_folder(const std::filesystem::path& folder) {
   return api::Done{};
 }
 
+api::Status sync_tree(const std::filesystem::path& folder) {
+  std::error_code error;
+  auto entry = std::filesystem::recursive_directory_iterator(folder, error);
+  for (const auto end = std::filesystem::end(entry); !error && entry != end; entry.increment(error)) {
+    const auto type = entry->symlink_status(error).type();
+    if (error) break;
+    if (type != std::filesystem::file_type::directory && type != std::filesystem::file_type::regular)
+      continue;
+    const FileHandle handle(::open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+    if (!handle || ::fsync(handle.get()) != 0) return file_error(entry->path().string(), errno);
+  }
+  if (error) return file_error(folder.string(), error.value());
+  return sync_folder(folder);
+}
+
+// Moved first, while nothing else of it is durable yet, and then made durable in one go: the journal of the
+// file system has mostly one thing to write, not one for every file.
 api::Status move_folder(const std::filesystem::path& from, const std::filesystem::path& to) {
   if (::rename(from.c_str(), to.c_str()) != 0) return file_error("move to " + to.string(), errno);
+  if (api::Status synced = sync_tree(to); !synced) return synced;
   if (api::Status synced = sync_folder(to.parent_path()); !synced) return synced;
   return sync_folder(from.parent_path());
 }

@@ -57,7 +57,10 @@ api::Status write_all(const FileHandle& file, std::string_view bytes);
 /// Makes the names in `folder` durable.
 api::Status sync_folder(const std::filesystem::path& folder);
 
-/// Moves a folder and makes the move durable on both sides.
+/// Makes the files below `folder` durable, what is in them and their names. Links are left alone.
+api::Status sync_tree(const std::filesystem::path& folder);
+
+/// Moves a folder and makes it durable: all that is in it, and the move on both sides.
 api::Status move_folder(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// Deletes a folder and all in it; nothing to do where it does not exist. Links are removed, not followed.

@@ -180,10 +180,9 @@ bool UploadReceiver::write(std::string_view bytes) {
   return true;
 }
 
-// A 202 promises that the job survives a power cut, and so its files.
+// Made durable together with the others, when the upload becomes a job: JobService::submit.
 bool UploadReceiver::close_file() {
   if (!file_) return true;
-  if (::fsync(file_.get()) != 0) return refuse({0, file_error("keep an upload", errno)});
   if (::close(file_.release()) != 0) return refuse({0, file_error("keep an upload", errno)});
   return true;
 }

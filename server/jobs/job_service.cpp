@@ -149,11 +149,6 @@ api::Result<Job> JobService::keep(const Upload& upload, const NewJob& row) {
   std::filesystem::remove(from / "check.json", ignored);  // it has served
   // The order matters: files and names durable, then the row. A crash in between leaves a folder without a
   // row, which the next start removes; never a row without files.
-  for (const auto& path : {from / "input", from})
-    if (const api::Status synced = sync_folder(path); !synced) {
-      discard(upload);
-      return synced.error();
-    }
   if (const api::Status moved = move_folder(from, to); !moved) {
     discard(upload);
     (void)remove_tree(to);
