@@ -1,4 +1,95 @@
-import { h } from "../../base/h";
-import type { OpenJobPart } from "../job_part";
+// Timeline: the moment, playing, key-frames, and the error of every interval.
+import { fill, h } from "../../base/h";
+import { addKeys } from "../../shell/keys";
+import { keyFramesOf } from "../key_frames";
+import type { JobContext, OpenJobPart } from "../job_part";
+import { shuttle, startPlayer, stepBy, toggle } from "./player";
+import { track } from "./track";
+import "./timeline.css";
 
-export const openTimeline: OpenJobPart = () => h("section", { "aria-label": "Timeline" });
+export const openTimeline: OpenJobPart = (context) => {
+  const { playhead, lifetime } = context;
+  startPlayer(playhead, lifetime);
+  addPlayKeys(context);
+  const lines = h("div", { class: "timeline-track" });
+  showTrack(context, lines);
+  return h("section", { class: "timeline", "aria-label": "Timeline" },
+    h("div", { class: "timeline-row row" }, buttons(context), moment(context)), slider(context), lines);
+};
+
+function addPlayKeys({ playhead, lifetime }: JobContext): void {
+  addKeys(lifetime, "Timeline", [
+    { keys: "Space", does: "Play or stop", run: () => toggle(playhead) },
+    { keys: "l", does: "Play on; again: faster", run: () => shuttle(playhead, 1) },
+    { keys: "j", does: "Play back; again: faster", run: () => shuttle(playhead, -1) },
+    { keys: "k", does: "Stop", run: () => (playhead.playing.value = false) },
+    { keys: ",", does: "One frame back", run: () => stepBy(playhead, -1) },
+    { keys: ".", does: "One frame on", run: () => stepBy(playhead, 1) },
+    { keys: "Home", does: "First frame", run: () => stepBy(playhead, -playhead.frameCount) },
+    { keys: "End", does: "Last frame", run: () => stepBy(playhead, playhead.frameCount) },
+  ]);
+}
+
+function buttons({ playhead, lifetime }: JobContext): Node[] {
+  const play = h("button", { class: "timeline-play", onclick: () => toggle(playhead) });
+  lifetime.add(playhead.playing.watch((playing) => {
+    play.textContent = playing ? "Stop" : "Play";
+  }));
+  const loop = h("input", { type: "checkbox", onchange: () => (playhead.loop.value = loop.checked) });
+  lifetime.add(playhead.loop.watch((on) => (loop.checked = on)));
+  return [
+    h("button", { "aria-label": "One frame back", onclick: () => stepBy(playhead, -1) }, "−1"),
+    play,
+    h("button", { "aria-label": "One frame on", onclick: () => stepBy(playhead, 1) }, "+1"),
+    h("label", null, loop, " Loop"),
+  ];
+}
+
+function moment({ playhead, lifetime }: JobContext): HTMLElement {
+  const text = h("output", { class: "timeline-moment", "aria-live": "off" });
+  const show = (): void => {
+    const seconds = (playhead.frame / playhead.fps).toFixed(2);
+    const speed = playhead.speed.value / playhead.fps;
+    const pace = playhead.playing.value && speed !== 1 ? ` · ${speed}×` : "";
+    text.textContent = `Frame ${playhead.frame} of ${playhead.frameCount - 1} · ${seconds} s${pace}`;
+  };
+  lifetime.add(playhead.time.watch(show), playhead.speed.watch(show), playhead.playing.watch(show));
+  return text;
+}
+
+function slider({ playhead, lifetime }: JobContext): HTMLElement {
+  const input = h("input", {
+    type: "range", class: "timeline-slider", min: 0, max: playhead.frameCount - 1, step: 1, "aria-label": "Frame",
+    oninput: () => {
+      playhead.playing.value = false;
+      playhead.time.value = Number(input.value);
+    },
+  });
+  lifetime.add(playhead.time.watch(() => {
+    input.value = String(playhead.frame);
+    input.setAttribute("aria-valuetext", `frame ${playhead.frame}`);
+  }));
+  return input;
+}
+
+/** Known once the job has succeeded. */
+function showTrack(context: JobContext, place: HTMLElement): void {
+  let begun = false;
+  context.lifetime.add(context.job.watch((job) => {
+    if (begun || job.state !== "succeeded") return;
+    begun = true;
+    keyFramesOf(context).then(
+      (keys) => fill(place, track(context.playhead, keys), legend(keys.tolerance)),
+      () => (begun = false), // the next change of the job asks again
+    );
+  }));
+}
+
+function legend(tolerance: number | null | undefined): HTMLElement {
+  const full = tolerance ? `full height is the tolerance, ${100 * tolerance} %` : "full height is the largest";
+  return h("p", { class: "timeline-legend small muted" },
+    h("span", { class: "swatch key", "aria-hidden": "true" }), "key-frame ",
+    h("span", { class: "swatch check", "aria-hidden": "true" }), "solved to check ",
+    h("span", { class: "swatch predicted", "aria-hidden": "true" }), "error predicted ",
+    h("span", { class: "swatch observed", "aria-hidden": "true" }), `observed; ${full}`);
+}
