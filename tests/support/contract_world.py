@@ -1,6 +1,7 @@
 """What the generated requests of one client are about: jobs in every state that keep being there."""
 import hashlib
 import json
+import re
 import time
 
 from service import wait_until
@@ -17,12 +18,22 @@ class World:
         self.service, self.send = service, send
         self.churn, self.views, self.etags = [], [], {}
         self.camera = "main"
+        self.asset, self.example = self.dashboard_files()
         self.job = write_job(folder, example="cornell_box", frames=FRAMES, width=32, height=18)
         changed(self.job, lambda document: document["lighting"].update(preset="draft", samples_per_light=4))
         self.files = {"scene": (self.job / "scene.obj").read_bytes(), "animation": (self.job / "animation.json").read_bytes()}
         self.material = next(self.job.glob("*.mtl"))
         self.hashes = {name: self.put(data) for name, data in [*self.files.items(), ("materials", self.material.read_bytes())]}
         self.wanted = {}
+
+    def dashboard_files(self):
+        """A name for {file} of /assets, a name and a file of /examples; where there is no dashboard, names of nothing."""
+        asset = re.search(rb"/assets/([\w.-]+)", self.ask("GET", "/").body)
+        index = self.ask("GET", "/examples/index.json")
+        examples = json.loads(index.body)["examples"] if index.status == 200 else []
+        self.has_dashboard = bool(asset and examples)
+        file = examples[0]["files"][0]["href"].split("/")[-2:] if examples else ["none", "none"]
+        return asset[1].decode() if asset else "none", file
 
     def ask(self, method, path, value=None):
         body = None if value is None else json.dumps(value).encode()
@@ -102,6 +113,14 @@ class World:
             return rng.choice([*self.hashes.values(), "0" * 64, rng.randbytes(32).hex()])
         if name == "view":
             return rng.choice(self.views[-8:] + ["0" * 32])
+        if name == "series":
+            return rng.choice(["radiosity", "radiosity_se", "radiosity_none", "patches"])
+        if name == "example":
+            return self.example[0]
+        if operation.name in ("getAsset", "getExampleFile"):
+            return self.asset if operation.name == "getAsset" else self.example[1]
+        if name == "job":
+            return self.succeeded
         if operation.name == "getViewFrame":
             return rng.choice(["0.png", "1.png", "2.jpg", "0.exr", "9.png"])
         return rng.choice(["radiosity.npy", "radiosity_se.npy", "key_frames.json", "manifest.json", "worker.log", "x"])

@@ -5,6 +5,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from exchange_check import check
+
 
 @dataclass
 class Answer:
@@ -23,8 +25,9 @@ def parse_headers(text):
     return {name.strip().lower(): value.strip() for name, _, value in (line.partition(":") for line in lines)}
 
 
-def curl(url, *arguments, timeout_s=60):
-    """-> Answer. Raises CalledProcessError where there is no HTTP answer at all."""
+def curl(url, *arguments, timeout_s=60, checked=True):
+    """-> Answer. Raises CalledProcessError where there is no HTTP answer at all, AssertionError where it is not one that
+    api/openapi.yaml has and that is `checked`."""
     with tempfile.TemporaryDirectory() as folder:
         body, headers = Path(folder, "body"), Path(folder, "headers")
         run = subprocess.run(["curl", "-sS", "--max-time", str(timeout_s), "-o", str(body), "-D", str(headers),
@@ -33,5 +36,8 @@ def curl(url, *arguments, timeout_s=60):
             raise subprocess.CalledProcessError(run.returncode, run.args, run.stdout, run.stderr)
         # For HEAD (-I) curl writes the headers where the body would go.
         has_body = body.exists() and "-I" not in arguments
-        return Answer(int(run.stdout), parse_headers(headers.read_text(errors="replace")),
-                      body.read_bytes() if has_body else b"")
+        answer = Answer(int(run.stdout), parse_headers(headers.read_text(errors="replace")),
+                        body.read_bytes() if has_body else b"")
+        if checked:
+            check(url, arguments, answer)
+        return answer
