@@ -96,6 +96,7 @@ const NumberOption* number_named(std::string_view name) {
 api::Status take_option(std::string_view name, std::string_view value, Config& config) {
   if (name == "--data") config.data = value;
   if (name == "--worker") config.worker = value;
+  if (name == "--dashboard") config.dashboard = value;
   if (name == "--listen") return take_listen(value, config);
   if (name == "--ops-listen") return take_ops_listen(value, config);
   if (name == "--log") return take_log_format(value, config);
@@ -115,10 +116,21 @@ bool is_program(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
 }
 
+std::filesystem::path folder_of_program() {
+  std::error_code error;
+  return std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+/// Where the build puts it; empty: it was built without.
+std::filesystem::path find_dashboard() {
+  std::error_code error;
+  const auto beside = folder_of_program() / "dashboard";
+  return std::filesystem::is_directory(beside, error) ? beside : std::filesystem::path();
+}
+
 /// Beside this program, or along PATH.
 std::filesystem::path find_worker() {
-  std::error_code error;
-  const auto here = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  const auto here = folder_of_program();
   if (is_program(here / "keylume")) return here / "keylume";
   const char* variable = std::getenv("PATH");
   std::string_view folders = variable ? variable : "";
@@ -138,6 +150,11 @@ api::Result<CommandLine> complete(Config config) {
     return wrong("the worker 'keylume' is not found; say where it is with --worker PATH");
   if (!is_program(config.worker)) return wrong("--worker: " + config.worker.string() + " cannot be executed");
   config.worker = std::filesystem::absolute(config.worker);
+  std::error_code error;
+  if (config.dashboard.empty())
+    config.dashboard = find_dashboard();
+  else if (!std::filesystem::is_directory(config.dashboard, error))
+    return wrong("--dashboard: " + config.dashboard.string() + " is no folder");
   return CommandLine(std::move(config));
 }
 
@@ -156,8 +173,8 @@ bool is_loopback(std::string_view host) {
 }
 
 api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words) {
-  constexpr std::array<std::string_view, 6> kWithText{"--data",       "--listen", "--log",
-                                                      "--ops-listen", "--proxy",  "--worker"};
+  constexpr std::array<std::string_view, 7> kWithText{
+      "--dashboard", "--data", "--listen", "--log", "--ops-listen", "--proxy", "--worker"};
   Config config;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
@@ -188,6 +205,8 @@ usage: keylume-server --data DIR [options]
   --listen HOST:PORT      default 127.0.0.1:8080; port 0 takes any free one
   --ops-listen HOST:PORT  a second listener with threads of its own, for /healthz, /readyz, /metrics and /version
                           alone, or off; default: 127.0.0.1 and the port after --listen's, if it is free
+  --dashboard DIR         the web dashboard, as it was built; default: the folder dashboard beside this program, if
+                          there is one
   --worker PATH           the worker program; default: keylume beside this program, or along PATH
   --worker-threads N      threads of one job; default: as many as all jobs together may use
   --worker-threads-total N

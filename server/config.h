@@ -28,6 +28,7 @@ struct Config {
   /// none.
   std::optional<Address> ops;         ///< none given: 127.0.0.1 and the port after `port`, if it is free
   std::filesystem::path worker;       ///< the worker executable, found and executable
+  std::filesystem::path dashboard;    ///< the folder that browsers are shown; empty: none was built
   unsigned worker_threads = 0;        ///< of one job; 0: worker_threads_total
   unsigned worker_threads_total = 0;  ///< of all jobs that run at once; 0: all cores
   std::int64_t worker_memory_mb = 0;  ///< the same; 0: four fifths of this machine's

@@ -14,6 +14,7 @@
 #include "server/commands.h"
 #include "server/config.h"
 #include "server/events/event_hub.h"
+#include "server/http/dashboard_routes.h"
 #include "server/http/http_server.h"
 #include "server/http/ops_routes.h"
 #include "server/http/routes.h"
@@ -102,6 +103,15 @@ api::Result<std::unique_ptr<HttpServer>> bind_ops(const Config& config, const Ad
   return std::unique_ptr<HttpServer>();
 }
 
+/// Without it the service serves all the same; the page at / says how to get it.
+DashboardFiles dashboard_of(const Config& config) {
+  if (config.dashboard.empty()) return {};
+  auto files = read_dashboard(config.dashboard);
+  if (files) return std::move(*files);
+  log_line("no dashboard: " + files.error().message);
+  return {};
+}
+
 void tell_of_exchange(HttpMetrics& metrics, const Exchange& exchange) {
   metrics.count(exchange.route, exchange.status, exchange.seconds);
   // What asks every few seconds whether we are well would fill the log.
@@ -146,6 +156,7 @@ int run(const Config& config) {
   add_view_routes(router, jobs, views);
   add_event_routes(router, jobs, hub);
   add_login_routes(router, tokens, system_clock_ms);
+  add_dashboard_routes(router, dashboard_of(config));
   UploadLimits limits;
   limits.total_bytes = config.upload_bytes_max;
   add_upload_routes(router, jobs, *folder, limits);

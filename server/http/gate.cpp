@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/http/dashboard_routes.h"
 #include "server/http/origin.h"
 #include "server/http/problem.h"
 
@@ -81,6 +82,7 @@ std::optional<Scope> scope_of(const Route* route) {
   if (!route) return Scope::jobs_read;
   for (const RouteScope& known : kScopeOfRoute)
     if (known.method == route->method && known.pattern == route->pattern) return known.scope;
+  if (route->method == "GET" && is_dashboard(route->pattern)) return std::nullopt;
   return route->method == "GET" ? Scope::jobs_read : Scope::jobs_write;
 }
 

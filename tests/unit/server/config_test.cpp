@@ -55,6 +55,7 @@ TEST(CommandLine, NamesTheWordThatIsWrong) {
       {{}, "--data"},
       {{"--data"}, "--data"},
       {{"--data", "d", "--worker", "/nonexistent"}, "/nonexistent"},
+      {{"--data", "d", "--worker", "/bin/sh", "--dashboard", "/nonexistent"}, "/nonexistent"},
       {{"--data", "d", "--worker", "/bin/sh", "--no-such-option"}, "--no-such-option"},
       {{"--data", "d", "--worker", "/bin/sh", "stray"}, "stray"},
       {{"--data", "d", "--worker", "/bin/sh", "--listen", "8080"}, "8080"},

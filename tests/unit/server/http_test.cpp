@@ -1,5 +1,6 @@
 // What we answer, without a socket.
 #include "server/http/conditions.h"
+#include "server/http/dashboard_routes.h"
 #include "server/http/job_json.h"
 #include "server/http/ops_routes.h"
 #include "server/http/problem.h"
@@ -256,6 +257,7 @@ TEST_F(ServiceTest, EveryRouteIsInTheContractAndTheReverse) {
   add_limits_route(router, {});
   add_upload_routes(router, *jobs_, *folder_, {});
   add_service_routes(router);
+  add_dashboard_routes(router, {});
   std::set<std::string> ours;
   for (const Route& route : router.routes()) ours.insert(route.method + " " + route.pattern);
 
