@@ -3,6 +3,7 @@
 #include <poll.h>
 
 #include <string>
+#include <utility>
 
 #include "server/store/job_store.h"
 #include "server/workers/budget.h"
@@ -25,7 +26,9 @@ JobRules job_rules(const Config& config, const Doorbell& bell) {
   rules.bytes_max = config.stored_bytes_max;
   rules.bytes_of_one_owner_max = config.stored_bytes_per_owner_max;
   rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
-  rules.check = make_check(check);
+  auto [check_job, preview_job] = make_checks(check);
+  rules.check = std::move(check_job);
+  rules.preview = std::move(preview_job);
   rules.work_arrived = [&bell] { bell.ring(); };
   rules.cancel_requested = [&bell] { bell.ring(); };
   return rules;

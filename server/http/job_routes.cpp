@@ -185,7 +185,7 @@ void add_job_routes(Router& router, JobService& jobs) {
              [&jobs](const auto& request, const auto&) { return list_jobs(jobs, request); });
   // Their bodies stream, so http_server.cpp calls take_job instead; here they stand for 405 and for the
   // contract.
-  for (const std::string_view path : {kSubmitPath, kValidatePath})
+  for (const std::string_view path : {kSubmitPath, kValidatePath, kPreviewPath})
     router.add("POST", std::string(path), [](const auto& request, const auto&) {
       return problem(415, "the body must be multipart/form-data", request.path);
     });

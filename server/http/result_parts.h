@@ -20,6 +20,8 @@ void add_radiosity_routes(Router& router, JobService& jobs);
 void add_early_routes(Router& router, JobService& jobs);
 HttpAnswer early_picture(JobService& jobs, const Job& job, const HttpRequest& request, std::uint32_t frame,
                          const std::string& extension);
+/// Radiosity as half floats.
+void add_half_routes(Router& router, JobService& jobs);
 /// radiosity.npz, results.tar, and a frame as glTF.
 void add_bundle_routes(Router& router, JobService& jobs);
 

@@ -140,11 +140,13 @@ void add_result_routes(Router& router, JobService& jobs, ViewService* views) {
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/radiosity.npy", frame_radiosity);
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/radiosity.npy", artefact_at("radiosity.npy"));
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/patches.npz", artefact_at("patches.npz"));
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/shading_mesh.npz", artefact_at("shading_mesh.npz"));
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/manifest.json", artefact_at("manifest.json"));
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/artefacts/{file}", named_artefact);
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/report.json", get_report);
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/log", get_log);
   add_radiosity_routes(router, jobs);
+  add_half_routes(router, jobs);
   add_bundle_routes(router, jobs);
 }
 

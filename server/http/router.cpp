@@ -27,8 +27,10 @@ std::optional<PathValues> match(std::string_view pattern, std::string_view path)
     const std::string_view wanted = take_segment(pattern);
     const std::string_view given = take_segment(path);
     if (wanted.starts_with('{')) {
-      if (given.empty()) return std::nullopt;
-      values.emplace(wanted.substr(1, wanted.size() - 2), given);
+      const std::size_t close = wanted.find('}');
+      const std::string_view ending = wanted.substr(close + 1);  // {series}.npy
+      if (given.size() <= ending.size() || !given.ends_with(ending)) return std::nullopt;
+      values.emplace(wanted.substr(1, close - 1), given.substr(0, given.size() - ending.size()));
     } else if (wanted != given) {
       return std::nullopt;
     }

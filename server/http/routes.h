@@ -41,12 +41,13 @@ void add_limits_route(Router& router, const ServiceLimits& limits);
 /// /healthz, /version, /openapi.json, /docs
 void add_service_routes(Router& router);
 
-/// The uploads of POST /v1/jobs and /v1/validate, to be added after add_job_routes.
+/// The uploads of POST /v1/jobs, /v1/validate and /v1/preview, to be added after add_job_routes.
 void add_upload_routes(Router& router, JobService& jobs, const DataFolder& folder,
                        const UploadLimits& limits);
 
-/// POST /v1/jobs and /v1/validate, operationIds submitJob and validateJob.
-inline constexpr std::string_view kSubmitPath = "/v1/jobs", kValidatePath = "/v1/validate";
+/// POST /v1/jobs, /v1/validate and /v1/preview, operationIds submitJob, validateJob and previewJob.
+inline constexpr std::string_view kSubmitPath = "/v1/jobs", kValidatePath = "/v1/validate",
+                                  kPreviewPath = "/v1/preview";
 HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
                     const DataFolder& folder, const Blobs& blobs, const UploadLimits& limits);
 

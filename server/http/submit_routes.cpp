@@ -1,10 +1,11 @@
-// POST /v1/jobs and /v1/validate: an upload, from its first byte to the answer.
+// POST /v1/jobs, /v1/validate and /v1/preview: an upload, from its first byte to the answer.
 #include <utility>
 
 #include "server/http/job_json.h"
 #include "server/http/multipart.h"
 #include "server/http/parameters.h"
 #include "server/http/problem.h"
+#include "server/http/result_answers.h"
 #include "server/http/routes.h"
 #include "server/http/upload_blobs.h"
 #include "server/jobs/job_id.h"
@@ -61,6 +62,18 @@ api::Result<HttpAnswer> validate_job(JobService& jobs, const Upload& upload) {
   return json_answer(validation_json(*report));
 }
 
+/// POST /v1/preview, operationId previewJob.
+api::Result<HttpAnswer> preview_job(JobService& jobs, const Upload& upload) {
+  auto file = jobs.preview(upload);
+  if (!file) return file.error();
+  const auto bytes = size_of(*file);
+  if (!bytes) return bytes.error();
+  HttpAnswer answer = file_answer({std::move(*file), {}, 0, *bytes}, "application/zip", {});
+  answer.ranges = false;  // it is gone once it is sent
+  answer.headers.emplace_back("Cache-Control", "no-store");
+  return answer;
+}
+
 /// What is wrong with the job may well be that it is not what its sender meant to send.
 api::Error with_hint(api::Error error, std::string_view hint) {
   if (error.fault != api::Fault::invalid_request || hint.empty()) return error;
@@ -108,8 +121,9 @@ HttpAnswer receive(const HttpRequest& request, const ReadBody& read_body, JobSer
   if (!upload) return refusal_answer(*receiver.refusal(), request.path);
   upload->owner = request.owner;
 
-  const auto answer =
-      request.path == kValidatePath ? validate_job(jobs, *upload) : submit_job(jobs, request, *upload, key);
+  const auto answer = request.path == kValidatePath  ? validate_job(jobs, *upload)
+                      : request.path == kPreviewPath ? preview_job(jobs, *upload)
+                                                     : submit_job(jobs, request, *upload, key);
   return answer ? *answer : problem(with_hint(answer.error(), receiver.hint()), request.path);
 }
 
@@ -132,7 +146,7 @@ std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, JobSer
   if (free && *free < bytes + kReservedBytes)
     return problem({api::Fault::disk_full, "no room for an upload"}, request.path);
   // Not where the job may be there already, whatever else is in the queue by now.
-  if (request.path == kValidatePath || request.header("Idempotency-Key")) return std::nullopt;
+  if (request.path != kSubmitPath || request.header("Idempotency-Key")) return std::nullopt;
   if (const api::Status admitted = jobs.admit(request.owner, bytes); !admitted)
     return problem(admitted.error(), request.path);
   return std::nullopt;
@@ -141,7 +155,7 @@ std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, JobSer
 HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
                     const DataFolder& folder, const Blobs& blobs, const UploadLimits& limits) {
   if (auto refused = refuse_upload_early(request, jobs, folder, limits)) return *refused;
-  if (request.path == kValidatePath)
+  if (request.path != kSubmitPath)
     return receive(request, read_body, jobs, folder, blobs, limits, std::nullopt);
   const auto name = request.header("Idempotency-Key");
   if (!name) return receive(request, read_body, jobs, folder, blobs, limits, std::nullopt);

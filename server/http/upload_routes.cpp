@@ -10,7 +10,7 @@ void add_upload_routes(Router& router, JobService& jobs, const DataFolder& folde
   const auto blobs = std::make_shared<Blobs>(folder.blobs(), BlobLimits{});
   (void)blobs->collect();
   add_blob_routes(router, blobs, folder, limits);
-  for (const std::string_view path : {kSubmitPath, kValidatePath})
+  for (const std::string_view path : {kSubmitPath, kValidatePath, kPreviewPath})
     router.add_upload(
         "POST", std::string(path),
         [&jobs, &folder, blobs, limits](const HttpRequest& request, const PathValues&,

@@ -35,6 +35,7 @@ struct JobRules {
   std::int64_t disk_full_wait_ms_max = 3'600'000;
   WorkerBudget budget;
   CheckJob check;
+  CheckJob preview = {};  ///< the same, but for the forecast, and leaves preview.npz as well
   std::function<void()> work_arrived = [] {};      ///< something was queued
   std::function<void()> cancel_requested = [] {};  ///< a running job is to stop
 };

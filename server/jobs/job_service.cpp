@@ -71,6 +71,20 @@ api::Result<api::JobReport> JobService::validate(const Upload& upload) {
   return report;
 }
 
+api::Result<FileHandle> JobService::preview(const Upload& upload) {
+  const auto previewed = [&]() -> api::Result<FileHandle> {
+    const std::filesystem::path folder = folder_.upload(upload.id);
+    if (const auto options = read_options(upload, clock_()); !options) return options.error();
+    if (const api::Status fine = rules_.preview(folder); !fine) return fine.error();
+    auto file = open_below(folder, "preview.npz");
+    if (!file) return api::Error{Fault::internal, "the check of the job left no preview"};
+    return file;
+  };
+  auto preview = previewed();
+  discard(upload);
+  return preview;
+}
+
 void JobService::discard(const Upload& upload) const {
   // What cannot be removed now is removed at the next start.
   (void)remove_tree(folder_.upload(upload.id));

@@ -18,6 +18,7 @@
 #include "api/job_request.h"
 #include "api/result.h"
 #include "server/artefacts/data_folder.h"
+#include "server/artefacts/files.h"
 #include "server/jobs/attempt_outcome.h"
 #include "server/jobs/job_rules.h"
 #include "server/jobs/submission_keys.h"
@@ -103,6 +104,8 @@ class JobService {
   /// Checks the upload as submit does, and answers what the check found: warnings and the forecast. Nothing
   /// of it is left on disk. Errors: those of submit, but for the queue and quotas.
   api::Result<api::JobReport> validate(const Upload& upload);
+  /// Checks the upload as validate does; answers preview.npz, open, whose name is gone. Errors: as validate.
+  api::Result<FileHandle> preview(const Upload& upload);
   /// Forgets an upload that did not become a job.
   void discard(const Upload& upload) const;
 

@@ -73,7 +73,7 @@ api::Status verdict(const std::filesystem::path& folder, const ProcessEnd& end, 
   return api::Error{api::Fault::internal, "the check of the job failed with " + how + ": " + log.tail()};
 }
 
-api::Status run_check(const CheckRules& rules, const std::filesystem::path& folder) {
+api::Status run_check(const CheckRules& rules, const std::filesystem::path& folder, bool preview) {
   std::vector<std::string> arguments{"check",       folder.string(),
                                      "--memory-mb", std::to_string(rules.memory_mb),
                                      "--seconds",   std::to_string(rules.processor_seconds),
@@ -81,6 +81,7 @@ api::Status run_check(const CheckRules& rules, const std::filesystem::path& fold
                                      "--sandbox"};
   if (rules.render_threads > 0)
     arguments.insert(arguments.end(), {"--threads", std::to_string(rules.render_threads)});
+  if (preview) arguments.emplace_back("--preview");
   auto worker = ChildProcess::start(rules.program, arguments);
   if (!worker) return worker.error();
   WorkerLog log(folder, "check");
@@ -92,15 +93,22 @@ api::Status run_check(const CheckRules& rules, const std::filesystem::path& fold
 
 }  // namespace
 
-CheckJob make_check(const CheckRules& rules) {
+Checks make_checks(const CheckRules& rules) {
   auto slots = std::make_shared<Slots>(rules.at_once);
-  return [rules, slots](const std::filesystem::path& folder) -> api::Status {
-    if (!slots->try_acquire_for(kWaitMax))
-      return api::Error{api::Fault::out_of_resources, "too many uploads are being checked"};
-    api::Status status = run_check(rules, folder);
-    slots->release();
-    return status;
+  const auto checks = [&](bool preview) -> CheckJob {
+    return [rules, slots, preview](const std::filesystem::path& folder) -> api::Status {
+      if (!slots->try_acquire_for(kWaitMax))
+        return api::Error{api::Fault::out_of_resources, "too many uploads are being checked"};
+      // Also where memory is short and something throws.
+      const std::unique_ptr<Slots, void (*)(Slots*)> held(slots.get(), [](Slots* one) { one->release(); });
+      return run_check(rules, folder, preview);
+    };
   };
+  return {checks(false), checks(true)};
+}
+
+CheckJob make_check(const CheckRules& rules) {
+  return make_checks(rules).check;
 }
 
 }  // namespace server

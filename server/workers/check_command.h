@@ -20,9 +20,15 @@ struct CheckRules {
   std::ptrdiff_t at_once = 2;                  ///< further checks wait
 };
 
-/// The check to be handed to JobService. Safe for use by several threads; answers
+/// Both wait for the same places.
+struct Checks {
+  CheckJob check, preview;
+};
+
+/// The checks to be handed to JobService. Safe for use by several threads; they answer
 /// invalid_request with the worker's violations, out_of_resources where the limits were exceeded or too many
 /// checks wait, internal where the worker failed.
+Checks make_checks(const CheckRules& rules);
 CheckJob make_check(const CheckRules& rules);
 
 }  // namespace server

@@ -105,6 +105,16 @@ TEST(Router, TellsUnknownPathsFromUnknownMethods) {
     EXPECT_EQ(router.answer(get(path)).status, 404) << path;
 }
 
+TEST(Router, ANameMayHaveAnEnding) {
+  Router router;
+  router.add("GET", "/a/{x}.npy",
+             [](const auto&, const PathValues& values) { return json_answer(values.at("x")); });
+  EXPECT_EQ(router.answer(get("/a/b.npy")).body, "b");
+  EXPECT_EQ(router.answer(get("/a/b.c.npy")).body, "b.c");
+  for (const char* path : {"/a/.npy", "/a/b", "/a/b.npz", "/a/npy", "/a/b.npy/c", "/a/"})
+    EXPECT_EQ(router.answer(get(path)).status, 404) << path;
+}
+
 TEST(Router, SaysWhereToLookWhenThereIsNothingAtAPath) {
   Router router;
   router.add("GET", "/a/{x}", [](const auto&, const auto&) { return json_answer("{}"); });
