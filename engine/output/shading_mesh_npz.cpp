@@ -161,6 +161,7 @@ void add_numbers(ArrayWriter& arrays, const WalkScene& walk) {
     arrays.add<double>(name, {1}, [&](std::uint64_t, double* out) { *out = value; });
   };
   add_number("fps", walk.fps);
+  add_number("metres_per_unit", walk.metres_per_unit);
   add_number("auto_exposure", walk.shown_as.auto_exposure);
   add_number("half_scale", walk.half_scale);
 }

@@ -25,7 +25,8 @@ struct WalkScene {
   const std::vector<api::ImageOptions>& images;
   ShownAs shown_as;
   double fps = 24;
-  double half_scale = 1;  ///< W/m^2 per unit of a half float that radiosity is sent as
+  double metres_per_unit = 1;  ///< of the job: for those who send a camera back in its units
+  double half_scale = 1;       ///< W/m^2 per unit of a half float that radiosity is sent as
 };
 
 /// shading_mesh.npz (stored, little-endian) with, for N nodes, P patches, F frames, C cameras, L lights:
@@ -45,7 +46,7 @@ struct WalkScene {
 ///     image_size (C,2) uint32: width and height of the job's first pictures by it, 0 where it asks for none
 ///   light_names, light_kind (L) uint8: 0 point, 1 spot, 2 directional; light_position, light_direction
 ///     (L,F,3) float32; what a kind has not is 0
-///   up (3) float64, fps (1), auto_exposure (1), half_scale (1) float64
+///   up (3) float64, fps (1), metres_per_unit (1), auto_exposure (1), half_scale (1) float64
 /// Errors: out_of_resources beyond 4 GiB; disk_full; internal.
 api::Status write_shading_mesh_npz(const std::filesystem::path& path, const WalkScene& walk);
 

@@ -47,8 +47,16 @@ api::Status preview_job(const api::JobRequest& request, const std::filesystem::p
   patches->texture_reflectance = texture_reflectance(job->scene, job->animation, *patches);
   const ShadingMesh mesh = build_shading_mesh(*patches);
   const Vec3 up = request.scene.up == api::UpAxis::y ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  return write_shading_mesh_npz(
-      file, {job->scene, *patches, job->animation, mesh, nullptr, request.images, {up, 1}, request.fps, 1});
+  return write_shading_mesh_npz(file, {job->scene,
+                                       *patches,
+                                       job->animation,
+                                       mesh,
+                                       nullptr,
+                                       request.images,
+                                       {up, 1},
+                                       request.fps,
+                                       request.scene.metres_per_unit,
+                                       1});
 }
 
 }  // namespace engine

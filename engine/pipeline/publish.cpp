@@ -110,7 +110,7 @@ api::Status publish_data(const LitScene& lit, const SolvedSequence& solved, cons
     return write_shading_mesh_npz(
         folder / "shading_mesh.npz",
         {lit.scene, lit.patches, lit.animation, images.surfaces.mesh, &rows, request.images, shown_as,
-         request.fps, half_scale_of(images.auto_exposure)});
+         request.fps, request.scene.metres_per_unit, half_scale_of(images.auto_exposure)});
   });
   artefacts.push_back({"key_frames.json", "application/json"});
   writers.emplace_back(

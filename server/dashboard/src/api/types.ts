@@ -47,3 +47,6 @@ export function isFinal(state: JobState): boolean {
 export const kJobStates: readonly JobState[] = [
   "queued", "running", "pause_requested", "paused", "cancel_requested", "succeeded", "failed", "canceled",
 ];
+
+/** A view as it is asked for: what is left out has its default. */
+export type AskedView = Pick<ViewRequest, "camera"> & Partial<ViewRequest>;

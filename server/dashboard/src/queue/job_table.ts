@@ -35,7 +35,7 @@ export function jobTable(list: JobList, selection: Selection, lifetime: Lifetime
   const timer = setInterval(() => list.jobs.value.forEach((job) => rows.get(job.id)?.show(job)), kAgoMs);
   lifetime.add(() => clearInterval(timer));
   body.addEventListener("keydown", (event) => onKey(event, body, selection, shown()));
-  return h("div", { class: "scroll-x" }, table);
+  return table;
 }
 
 function showRows(body: HTMLElement, rows: Map<string, JobRow>, jobs: readonly Job[], context: RowContext): void {

@@ -2,6 +2,7 @@
 import { messageOf } from "../api/api_error";
 import { curlOf } from "../api/curl";
 import { submitExample } from "../api/examples";
+import { isFinal } from "../api/types";
 import { count } from "../base/format";
 import { fill, h } from "../base/h";
 import type { Lifetime } from "../base/signal";
@@ -10,7 +11,7 @@ import { addKeys } from "../shell/keys";
 import type { OpenPage } from "../shell/page";
 import { navigate } from "../shell/router";
 import { toast, toastError } from "../shell/toast";
-import { actions, perform, setPriority } from "./actions";
+import { actions, perform, setPinned, setPriority } from "./actions";
 import { filterOf, filters, isFiltering } from "./filters";
 import { JobList } from "./job_list";
 import { batchEntries } from "./job_row";
@@ -69,7 +70,7 @@ function selectionBar(list: JobList, selection: Selection, lifetime: Lifetime): 
   const show = (): void => {
     const jobs = [...selection.ids.value].flatMap((id) => list.job(id) ?? []);
     const entries = batchEntries(jobs).filter(({ reach }) => reach > 0);
-    const next = `${jobs.length} ${entries.map(({ action, reach }) => action + reach).join()}`;
+    const next = `${jobs.map((job) => job.pinned + job.state).join()} ${entries.map(({ action, reach }) => action + reach).join()}`;
     bar.hidden = jobs.length === 0;
     if (next === shown) return;
     shown = next;
@@ -78,7 +79,8 @@ function selectionBar(list: JobList, selection: Selection, lifetime: Lifetime): 
       entries.map(({ action, reach }) => h("button", { class: action === "delete" ? "bad" : "", onclick: () => void perform(action, now(), list) },
         `${actions[action].label} ${reach}`)),
       entries.length > 0 ? copyCurlButton(() => curlOf("POST", "/v1/jobs/batch", { json: { ids: now().map((job) => job.id), action: entries[0]!.action } }), `${actions[entries[0]!.action].label.toLowerCase()} these`) : null,
-      h("button", { onclick: () => void setPriority(now(), list) }, "Priority…"),
+      jobs.some((job) => !isFinal(job.state)) ? h("button", { onclick: () => void setPriority(now(), list) }, "Priority…") : null,
+      h("button", { onclick: () => void setPinned(now(), !jobs.every((job) => job.pinned), list) }, jobs.every((job) => job.pinned) ? "Unpin" : "Pin"),
       h("button", { class: "quiet", onclick: () => selection.clear() }, "None"));
   };
   lifetime.add(selection.ids.watch(show), list.jobs.watch(show));

@@ -34,6 +34,7 @@ export interface ShadingMesh {
   readonly lights: Lights;
   readonly up: readonly [number, number, number];
   readonly fps: number;
+  readonly metresPerUnit: number;
   /** Factor on radiance that shows the sequence's mean in middle grey. */
   readonly autoExposure: number;
   readonly halfScale: number;
@@ -101,6 +102,7 @@ export function readShadingMesh(buffer: ArrayBuffer): ShadingMesh {
     },
     up: [up[0] ?? 0, up[1] ?? 1, up[2] ?? 0],
     fps: number("fps"),
+    metresPerUnit: number("metres_per_unit"),
     autoExposure: number("auto_exposure"),
     halfScale: number("half_scale"),
   };

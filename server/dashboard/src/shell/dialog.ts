@@ -32,8 +32,9 @@ export async function confirmDialog(what: Confirmation): Promise<boolean> {
   const answer = await openDialog(what.title, (close) => [
     h("div", { class: "dialog-body" }, what.body),
     h("div", { class: "dialog-actions" },
-      h("button", { onclick: () => close("") }, "Cancel"),
-      h("button", { class: what.danger ? "danger" : "primary", onclick: () => close("yes"), autofocus: true }, what.confirm)),
+      // What cannot be undone is not done by a key pressed in passing.
+      h("button", { onclick: () => close(""), autofocus: what.danger }, "Cancel"),
+      h("button", { class: what.danger ? "danger" : "primary", onclick: () => close("yes"), autofocus: !what.danger }, what.confirm)),
   ]);
   return answer === "yes";
 }

@@ -80,7 +80,26 @@ function serviceFacts(samples: readonly Sample[]): Fact[] {
   });
 }
 
+const kLimitWords: Readonly<Record<string, string>> = {
+  upload_bytes_max: "Upload of one job",
+  animation_bytes_max: "animation.json",
+  materials_max: "MTL files of a job",
+  textures_max: "Textures of a job",
+  uploads_at_once_max: "Uploads at once, of all clients",
+  small_body_bytes_max: "Body of other requests",
+  json_depth_max: "Brackets open in JSON",
+  json_values_max: "Values in JSON",
+  frames_max: "Frames of a job",
+  labels_max: "Labels of a job",
+  batch_max: "Jobs in one batch",
+  listeners_max: "Listeners to events, of all clients",
+  requests_per_second_max: "Requests per second",
+  requests_at_once_max: "Requests in a burst",
+};
+
 function wordsOf(name: string): string {
+  const known = kLimitWords[name];
+  if (known !== undefined) return known;
   const words = name.replace(/_max$/, "").replaceAll("_", " ");
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
