@@ -11,6 +11,7 @@
 
 #include "server/artefacts/files.h"
 #include "server/auth/token_folder.h"
+#include "server/auth/token_text.h"
 #include "server/commands.h"
 #include "server/store/job_store.h"
 
@@ -63,11 +64,11 @@ int create(TokenFolder& tokens, const CommandWords& words) {
   const std::int64_t now = system_clock_ms();
   const auto expires = expiry_of(words, now);
   if (!expires) return refuse_command(expires.error(), kExitUsage);
-  const auto text = tokens.create(words.plain[1], *scopes, now, *expires);
+  const auto text = tokens.create(words.plain[1], *scopes, now, *expires, words.has("--again"));
   if (!text) return refuse_command(text.error(), kExitFailed);
   if (const auto out = words.option("--out"))
     if (const api::Status written = write_secret(*out, *text); !written) {
-      (void)tokens.revoke(words.plain[1]);  // nobody would know it
+      (void)tokens.revoke(text->substr(3, kPrefixChars));  // nobody would know it
       return refuse_command(written.error(), kExitFailed);
     }
   std::cout << *text << std::endl;
@@ -97,7 +98,7 @@ int revoke(TokenFolder& tokens, const CommandWords& words) {
 }  // namespace
 
 int run_token_command(std::span<const std::string_view> given) {
-  const auto words = take_apart(given, {"--scopes", "--expires-days", "--out"}, {"--if-none"});
+  const auto words = take_apart(given, {"--scopes", "--expires-days", "--out"}, {"--again", "--if-none"});
   if (!words) return refuse_command(words.error(), kExitUsage);
   TokenFolder tokens(*words->option("--data"));
   const std::string action = words->plain.empty() ? "" : words->plain[0];

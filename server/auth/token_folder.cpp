@@ -86,7 +86,7 @@ std::filesystem::path TokenFolder::file_of(std::string_view prefix) const {
 }
 
 api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes& scopes, std::int64_t now_ms,
-                                             std::optional<std::int64_t> expires_ms) {
+                                             std::optional<std::int64_t> expires_ms, bool again) {
   if (!is_token_name(name))
     return api::Error{api::Fault::invalid_request,
                       "a token's name has 1 to 64 letters, digits, '.', '_' and '-'"};
@@ -98,8 +98,10 @@ api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes
   if (others->size() >= kTokensMax)
     return api::Error{api::Fault::out_of_resources, "there are " + std::to_string(kTokensMax) + " tokens"};
   for (const Token& other : *others)
-    if (other.name == name)
-      return api::Error{api::Fault::wrong_state, "there is a token '" + other.name + "'; revoke it first"};
+    if (other.name == name && !again)
+      return api::Error{api::Fault::wrong_state, "there is a token '" + other.name +
+                                                     "'; revoke it first, or give --again for another that "
+                                                     "shares its jobs"};
   auto text = new_token_text();
   if (!text) return text;
   const Token token{std::string(name), *prefix_of(*text), sha256_of(*text), scopes, now_ms, expires_ms};
@@ -124,12 +126,14 @@ api::Result<std::vector<Token>> TokenFolder::list() const {
 api::Status TokenFolder::revoke(std::string_view name) {
   const auto tokens = list();
   if (!tokens) return tokens.error();
+  bool found = false;
   for (const Token& token : *tokens) {
     if (token.name != name && token.prefix != name) continue;
     if (::unlink(file_of(token.prefix).c_str()) != 0)
       return file_error(file_of(token.prefix).string(), errno);
-    return sync_folder(folder_);
+    found = true;
   }
+  if (found) return sync_folder(folder_);
   return api::Error{api::Fault::not_found, "there is no token '" + std::string(name) + "'"};
 }
 

@@ -22,7 +22,7 @@ inline constexpr std::size_t kTokensMax = 1000;
 
 /// What is kept of a token; its secret is not.
 struct Token {
-  std::string name;    ///< unique; whose jobs are whose
+  std::string name;    ///< whose jobs are whose; tokens of one name share theirs
   std::string prefix;  ///< of the text, and the name of the file
   std::string sha256;  ///< of the whole text, lower-case hexadecimal
   Scopes scopes;
@@ -40,12 +40,13 @@ class TokenFolder {
   bool exists() const;
 
   /// -> the token's text, which nobody can learn later. Errors: invalid_request for a name that is none
-  /// ([A-Za-z0-9._-], 1 to 64), wrong_state where the name is taken, out_of_resources, disk_full, internal.
+  /// ([A-Za-z0-9._-], 1 to 64), wrong_state where the name is taken, unless `again`; out_of_resources,
+  /// disk_full, internal.
   api::Result<std::string> create(std::string_view name, const Scopes& scopes, std::int64_t now_ms,
-                                  std::optional<std::int64_t> expires_ms);
+                                  std::optional<std::int64_t> expires_ms, bool again = false);
   /// By name. A file that cannot be read is left out.
   api::Result<std::vector<Token>> list() const;
-  /// By name or prefix. Errors: not_found.
+  /// All of that name, or the one with that prefix. Errors: not_found.
   api::Status revoke(std::string_view name);
 
   /// The token with this text, if it is one of ours and has not expired.
