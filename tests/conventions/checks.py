@@ -5,10 +5,11 @@ import re
 import subprocess
 from pathlib import Path
 
-SKIPPED_FOLDERS = {"build", "data", ".git", "node_modules", "__pycache__"}
+SKIPPED_FOLDERS = {"build", "data", ".git", "node_modules", "generated", "__pycache__"}
 SOURCE_FOLDERS = ("api", "engine", "server", "tests")
 LINES_MAX = 400
 CLANG_FORMAT_MAJOR = 14
+DASHBOARD_COLUMNS_MAX = 200
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 
 
@@ -135,7 +136,7 @@ def file_lengths(root, exceptions_path):
     """No source has more than 400 lines, but for those listed."""
     exceptions = {line.split()[0] for _, line in lines_with_content(exceptions_path)}
     problems = []
-    for path in files_of(root, ".h", ".cpp", ".py", ".sh", ".cmake", ".txt", ".sql", ""):
+    for path in files_of(root, ".h", ".cpp", ".py", ".sh", ".cmake", ".txt", ".sql", ".ts", ".mjs", ".css", ""):
         relative = path.relative_to(root).as_posix()
         count = len(path.read_text(errors="replace").splitlines())
         if count > LINES_MAX and relative not in exceptions:
@@ -162,6 +163,33 @@ def layout(root):
             first = run.stderr.splitlines()[0] if run.stderr else ""
             problems.append(f"{path.relative_to(root)}: clang-format -i would change it {first.partition(': ')[0]}")
     return problems
+
+
+def dashboard_layout(root):
+    """TypeScript, scripts and styles: two spaces, no tabs, nothing at the ends of lines, none too long to read."""
+    problems = []
+    for path in sources_of(root, ".ts", ".mjs", ".css"):
+        text = path.read_text()
+        for number, line in enumerate(text.splitlines(), 1):
+            indent = len(line) - len(line.lstrip(" "))
+            odd = indent % 2 == 1 and not line.lstrip().startswith("*")  # the second line of a /** comment
+            if "\t" in line or line != line.rstrip() or odd or len(line) > DASHBOARD_COLUMNS_MAX:
+                problems.append(f"{path.relative_to(root)}:{number}: a tab, an odd indent, space at the end, or too long")
+        if text and not text.endswith("\n"):
+            problems.append(f"{path.relative_to(root)}: no newline at the end")
+    return problems
+
+
+def dashboard_imports(root):
+    """Every .ts, but for workers and the start, is imported by another, relative to itself; styles likewise."""
+    folder = Path(root) / "server/dashboard/src"
+    imported = {folder / "main.ts"}
+    for path in files_of(root, ".ts"):
+        for target in re.findall(r"""(?:from|import)\s*\(?\s*["'](\.[^"']+)["']""", path.read_text()):
+            found = (path.parent / target).resolve()
+            imported.add(found if found.suffix == ".css" else found.with_name(found.name + ".ts"))
+    return [f"{path.relative_to(root)}: nothing imports it" for path in files_of(root, ".ts", ".css")
+            if folder in path.parents and path not in imported and not path.name.endswith("_worker.ts")]
 
 
 ADDRESS = re.compile(r"\b(?:https?|ftp|git)://([^\s\"'<>)$`{\]]*)")

@@ -102,6 +102,25 @@ class OnATree(unittest.TestCase):
         self.write("engine/base/long.cpp", "\n" * 401)
         self.expect_one(checks.file_lengths(self.root, HERE / "long_files.txt"), "long.cpp: 401 lines")
 
+    def test_a_long_script(self):
+        self.write("server/dashboard/src/long.ts", "\n" * 401)
+        self.expect_one(checks.file_lengths(self.root, HERE / "long_files.txt"), "long.ts: 401 lines")
+
+    def test_a_script_that_is_not_laid_out(self):
+        self.write("server/dashboard/src/a.ts", "/**\n * why\n */\nexport function f() {\n  return 1;\n}\n")
+        self.assertEqual(checks.dashboard_layout(self.root), [])
+        for text in ("\tx();\n", "x(); \n", " x();\n", f"x({'1' * 200});\n", "x();"):
+            self.write("server/dashboard/src/bad.ts", text)
+            self.expect_one(checks.dashboard_layout(self.root), "bad.ts")
+
+    def test_a_script_or_style_that_nothing_imports(self):
+        self.write("server/dashboard/src/main.ts", 'import "./a/a.css";\nimport { x } from "./a/b";\nimport("./a/c");\n')
+        for name in ("a.css", "b.ts", "c.ts", "live_worker.ts"):
+            self.write(f"server/dashboard/src/a/{name}", "\n")
+        self.assertEqual(checks.dashboard_imports(self.root), [])
+        self.write("server/dashboard/src/a/left_out.ts", "\n")
+        self.expect_one(checks.dashboard_imports(self.root), "left_out.ts: nothing imports it")
+
     @unittest.skipIf(checks.clang_format_version() is None, "no clang-format here")
     def test_a_source_that_is_not_laid_out(self):
         shutil.copy(HERE.parent.parent / ".clang-format", self.root)

@@ -26,6 +26,8 @@ CHECKS = {
     "tests_are_registered": lambda build: checks.tests_are_registered(ROOT, checks.registered_tests(build)),
     "file_lengths": lambda build: checks.file_lengths(ROOT, HERE / "long_files.txt"),
     "layout": lambda build: layout_or_reason(),
+    "dashboard_layout": lambda build: checks.dashboard_layout(ROOT),
+    "dashboard_imports": lambda build: checks.dashboard_imports(ROOT),
     "words": lambda build: checks.words(ROOT, HERE / "words.txt", HERE / "allowed_addresses.txt",
                                         checks.commit_messages(ROOT)),
     "documents": lambda build: checks.documents(ROOT),

@@ -78,7 +78,8 @@ function selectionBar(list: JobList, selection: Selection, lifetime: Lifetime): 
     fill(bar, h("span", null, `${jobs.length} chosen`),
       entries.map(({ action, reach }) => h("button", { class: action === "delete" ? "bad" : "", onclick: () => void perform(action, now(), list) },
         `${actions[action].label} ${reach}`)),
-      entries.length > 0 ? copyCurlButton(() => curlOf("POST", "/v1/jobs/batch", { json: { ids: now().map((job) => job.id), action: entries[0]!.action } }), `${actions[entries[0]!.action].label.toLowerCase()} these`) : null,
+      entries.slice(0, 1).map(({ action }) => copyCurlButton(
+        () => curlOf("POST", "/v1/jobs/batch", { json: { ids: now().map((job) => job.id), action } }), `${actions[action].label.toLowerCase()} these`)),
       jobs.some((job) => !isFinal(job.state)) ? h("button", { onclick: () => void setPriority(now(), list) }, "Priority…") : null,
       h("button", { onclick: () => void setPinned(now(), !jobs.every((job) => job.pinned), list) }, jobs.every((job) => job.pinned) ? "Unpin" : "Pin"),
       h("button", { class: "quiet", onclick: () => selection.clear() }, "None"));
