@@ -23,9 +23,19 @@ export class Playhead {
 
   constructor(
     readonly frameCount: number,
-    readonly fps: number,
+    private framesPerSecond: number,
   ) {
-    this.speed = new Signal(fps);
+    this.speed = new Signal(framesPerSecond);
+  }
+
+  /** The job's own pace. */
+  get fps(): number {
+    return this.framesPerSecond;
+  }
+
+  set fps(fps: number) {
+    this.framesPerSecond = fps;
+    if (!this.playing.value) this.speed.value = fps;
   }
 
   /** The stored frame that is shown, or nearest to what is. */

@@ -1,12 +1,10 @@
 // Walk: the radiosity of the whole sequence, on its surfaces, from anywhere.
 import { ApiError, messageOf } from "../../api/api_error";
-import { fetchBytes, urlOf } from "../../api/client";
 import { fill, h } from "../../base/h";
 import { Signal } from "../../base/signal";
-import type { FrameSource, LightingView, Term } from "../../scene/lighting_view";
-import { readShadingMesh, type ShadingMesh } from "../../scene/shading_mesh";
+import type { LightingView, Term } from "../../scene/lighting_view";
 import type { JobContext, LightStage, OpenJobPart } from "../job_part";
-import { openSeries } from "./half_range";
+import { fetchMesh } from "./fetch_mesh";
 import { colourLegend } from "./colour_legend";
 import { followPointer } from "./pointer";
 import { firstSight, type Sight } from "./sight";
@@ -43,15 +41,9 @@ function notice(error: unknown): HTMLElement {
 
 /** three.js comes with its own chunk, when it is first needed. */
 async function begin(context: JobContext, place: HTMLElement, opened: number): Promise<void> {
-  const stop = new AbortController();
-  context.lifetime.add(() => stop.abort());
-  const url = urlOf("/v1/jobs/{id}/artefacts/{file}", { path: { id: context.id, file: "shading_mesh.npz" } });
-  const [answer, { createLightingView }] = await Promise.all([
-    fetchBytes(url, { signal: stop.signal }).then((response) => response.arrayBuffer()),
-    import("../../scene/webgl_view"),
-  ]);
+  const [{ mesh, source }, { createLightingView }] = await Promise.all([fetchMesh(context), import("../../scene/webgl_view")]);
   if (context.lifetime.ended) return;
-  const mesh = readShadingMesh(answer);
+  context.playhead.fps = mesh.fps;
   const canvas = h("canvas", {
     class: "walk-canvas", tabindex: "0",
     "aria-label": "The lit scene. Drag to look around, scroll to come closer, W A S D Q E to walk, click a patch to plot it.",
@@ -61,7 +53,6 @@ async function begin(context: JobContext, place: HTMLElement, opened: number): P
   const view = createLightingView(canvas, mesh, opened);
   context.lifetime.add(() => view.dispose());
   const sight = new Signal<Sight>(firstSight(mesh));
-  const source = sourcesOf(context, mesh);
   const light = new Signal<readonly Term[]>([{ source: source("radiosity"), gain: [1, 1, 1] }]);
   const stage: LightStage = { view, mesh, source, light };
   connect(context, stage, sight);
@@ -69,19 +60,6 @@ async function begin(context: JobContext, place: HTMLElement, opened: number): P
   fill(place, tools, frame, trouble(context, view));
   frame.append(colourLegend(context, sight), followPointer(context, stage, sight));
   context.stage.value = stage;
-}
-
-function sourcesOf(context: JobContext, mesh: ShadingMesh): LightStage["source"] {
-  const sources = new Map<string, FrameSource>();
-  return (series) => {
-    let source = sources.get(series);
-    if (!source) {
-      const opened = openSeries(context.id, series, mesh);
-      context.lifetime.add(() => opened.close());
-      sources.set(series, (source = opened));
-    }
-    return source;
-  };
 }
 
 function connect(context: JobContext, { view, mesh, source, light }: LightStage, sight: Signal<Sight>): void {
