@@ -1,12 +1,17 @@
 #include "server/log.h"
 
+#include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <mutex>
 
 #include "api/json/json_text.h"
 
@@ -15,6 +20,7 @@ namespace {
 
 std::atomic<bool> as_json = false;
 thread_local std::string current_request_id;
+std::atomic<std::uint64_t> lost = 0;
 
 std::string now_text() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -52,7 +58,40 @@ std::string text_line(std::string_view message, std::initializer_list<LogField> 
   return line + "\n";
 }
 
+/// Writes what can be written without waiting for a reader. With the lock held: two that both find room would
+/// not both have it. -> bytes left over
+std::size_t write_now(std::string_view bytes) {
+  constexpr std::size_t kPieceBytes = 4096;  // what a pipe that is ready takes without waiting
+  while (!bytes.empty()) {
+    pollfd ready{STDERR_FILENO, POLLOUT, 0};
+    if (::poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) break;
+    const ssize_t count = ::write(STDERR_FILENO, bytes.data(), std::min(bytes.size(), kPieceBytes));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) break;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return bytes.size();
+}
+
+bool write_line(const std::string& line) {
+  static bool cut = false;  // the last one that began ended in its middle
+  const std::string text = cut ? "\n" + line : line;
+  const std::size_t left = write_now(text);
+  if (left < text.size()) cut = left > 0;
+  return left == 0;
+}
+
+std::string line_of(std::string_view message, std::initializer_list<LogField> fields) {
+  return as_json ? json_line(message, fields) : text_line(message, fields);
+}
+
 }  // namespace
+
+void hold_standard_descriptors() {
+  for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
+    // The lowest number that is free is this one.
+    if (::fcntl(descriptor, F_GETFD) < 0) (void)::open("/dev/null", O_RDWR);
+}
 
 void set_log_format(LogFormat format) {
   as_json = format == LogFormat::json || (format == LogFormat::automatic && ::isatty(STDERR_FILENO) == 0);
@@ -67,9 +106,20 @@ void log_line(std::string_view message) {
 }
 
 void log_event(std::string_view message, std::initializer_list<LogField> fields) {
-  const std::string line = as_json ? json_line(message, fields) : text_line(message, fields);
-  // One write, so that lines of several threads do not mix.
-  (void)!::write(STDERR_FILENO, line.data(), line.size());
+  static std::mutex writing;
+  static std::uint64_t told = 0;
+  const std::string line = line_of(message, fields);
+  const std::lock_guard lock(writing);
+  if (told != lost) {
+    const std::uint64_t now = lost;
+    if (write_line(line_of("lines of the log were lost", {{"count", static_cast<std::int64_t>(now - told)}})))
+      told = now;
+  }
+  if (!write_line(line)) ++lost;
+}
+
+std::uint64_t log_lines_lost() {
+  return lost;
 }
 
 }  // namespace server
