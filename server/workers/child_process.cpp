@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -13,6 +12,8 @@
 #include <cstring>
 #include <mutex>
 #include <utility>
+
+#include "server/workers/spawn.h"
 
 namespace server {
 namespace {
@@ -27,40 +28,6 @@ api::Result<Pipe> make_pipe() {
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return file_error("pipe", errno);
   return Pipe{FileHandle(ends[0]), FileHandle(ends[1])};
 }
-
-/// What posix_spawn is told, freed with its owner.
-class SpawnPlan {
- public:
-  SpawnPlan(int input, int output) {
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawn_file_actions_adddup2(&actions_, input, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions_, output, STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions_, output, STDERR_FILENO);
-    posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
-    posix_spawnattr_init(&attributes_);
-    sigset_t none;
-    sigset_t all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes_, &none);
-    posix_spawnattr_setsigdefault(&attributes_, &all);
-    posix_spawnattr_setflags(&attributes_,
-                             POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  }
-  ~SpawnPlan() {
-    posix_spawnattr_destroy(&attributes_);
-    posix_spawn_file_actions_destroy(&actions_);
-  }
-  SpawnPlan(const SpawnPlan&) = delete;
-  SpawnPlan& operator=(const SpawnPlan&) = delete;
-
-  const posix_spawn_file_actions_t* actions() const { return &actions_; }
-  const posix_spawnattr_t* attributes() const { return &attributes_; }
-
- private:
-  posix_spawn_file_actions_t actions_;
-  posix_spawnattr_t attributes_;
-};
 
 /// The children of all ChildProcess objects. Locked while one is started or reaped: what is not in the list
 /// then is a stray.
@@ -87,30 +54,22 @@ api::Result<ChildProcess> ChildProcess::start(const std::filesystem::path& progr
   if (!input) return input.error();
   auto output = make_pipe();
   if (!output) return output.error();
-  std::string name = program.string();
-  std::vector<std::string> words = arguments;
-  std::vector<char*> argv{name.data()};
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-
-  const SpawnPlan plan(input->read.get(), output->write.get());
   ChildProcess child;
   const int error = [&] {
     const std::lock_guard lock(children().mutex);
     adopt_strays();
-    const int failed =
-        ::posix_spawn(&child.pid_, name.c_str(), plan.actions(), plan.attributes(), argv.data(), environ);
-    if (failed == 0) children().living.push_back(child.pid_);
-    return failed;
+    const Spawned spawned = spawn(program, arguments, {input->read.get(), output->write.get()});
+    child.pid_ = spawned.pid;
+    if (spawned.error == 0) children().living.push_back(child.pid_);
+    return spawned.error;
   }();
-  if (error != 0) {
-    child.pid_ = -1;
+  if (error != 0)
     return api::Error{error == ENOENT ? api::Fault::not_found : api::Fault::internal,
-                      file_error("start " + name, error).message};
-  }
+                      file_error("start " + program.string(), error).message};
   limit_child(child.pid_, limits);
   child.pid_descriptor_ = open_pid(child.pid_);
-  if (!child.pid_descriptor_) return file_error("watch " + name, errno);  // the destructor ends the child
+  if (!child.pid_descriptor_)
+    return file_error("watch " + program.string(), errno);  // the destructor ends the child
   child.input_ = std::move(input->write);
   child.output_ = std::move(output->read);
   ::fcntl(child.output_.get(), F_SETFL, O_NONBLOCK);

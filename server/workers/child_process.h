@@ -27,8 +27,7 @@ struct ProcessEnd {
 /// standard error, one pipe to `output`. Killed and reaped with its owner, and so is what it left behind,
 /// wherever that hid.
 ///
-/// The kernel binds a child's "die with my parent" to the thread that spawned it: that thread must live as
-/// long as the child.
+/// The kernel kills it with the thread that started it: that thread must live as long as the child.
 class ChildProcess {
  public:
   /// Errors: not_found or internal when the program cannot be started.

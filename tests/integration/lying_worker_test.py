@@ -156,6 +156,18 @@ class LyingWorker(ServiceTestCase):
         job_id = self.expect_failed("eat_disk", "bad_artefacts")
         self.assertNotEqual((self.running.job_folder(job_id) / "grown").read_text(), "yes")
 
+    def test_one_that_does_not_care_whether_its_server_lives_dies_with_it(self):
+        """It neither listens to its standard input nor asks the kernel for anything, as a program taken over would."""
+        job_id = self.lie("hang")
+        attempts = self.running.data / "jobs" / job_id / "attempts"
+        pid = int(wait_until(lambda: attempts.exists() and attempts.read_text().strip(), 20, "it has begun"))
+        self.assertTrue(is_alive(pid))
+        self.running.kill()
+        wait_until(lambda: not is_alive(pid), 2, "the kernel ends it")
+        self.running.start()
+        self.assertEqual(self.running.get(f"/v1/jobs/{job_id}/cancel", "-X", "POST").status, 202)
+        self.ended(job_id)
+
     def test_the_next_job_is_not_the_worse_for_it(self):
         for behaviour in ("pipes", "hide", "huge_files"):
             self.lie(behaviour)
