@@ -2,12 +2,14 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -21,16 +23,18 @@ namespace server {
 class Maker {
  public:
   /// Ends soon with Fault::stopped when `stopping` turns true. Called by a thread that lives as long as the
-  /// Maker: it may start processes.
+  /// Maker: it may start processes. Where it ends with Fault::disk_full it is called again later.
   using Work = std::function<api::Status(const std::atomic<bool>& stopping)>;
 
   enum class State { unknown, waiting, making, failed };
   struct Look {
     State state = State::unknown;
-    api::Error error = {};  ///< of `failed`
+    api::Error error = {};  ///< of `failed`; of `waiting`, where it has been tried and waits for room
   };
 
-  Maker(std::size_t at_once, std::size_t waiting_max);
+  /// `room_after`: what found the disk full is tried again so much later.
+  Maker(std::size_t at_once, std::size_t waiting_max,
+        std::chrono::milliseconds room_after = std::chrono::seconds(5));
   ~Maker() { stop(); }
   Maker(const Maker&) = delete;
   Maker& operator=(const Maker&) = delete;
@@ -42,22 +46,36 @@ class Maker {
   Look look(const std::string& key) const;
   /// Forgets what waits or has failed. False: it is being made.
   bool forget(const std::string& key);
+  /// Forgets all whose key begins with `prefix`; what is being made of it is stopped. Returns when that has
+  /// ended, which takes as long as its work does to notice.
+  void end_all(const std::string& prefix);
   /// Ends what is being made, forgets what waits. Returns when the threads have ended.
   void stop();
 
  private:
   static constexpr std::size_t kFailuresMax = 1000;
 
+  using SteadyClock = std::chrono::steady_clock;
+
+  struct Task {
+    std::string key;
+    Work work;
+    SteadyClock::time_point not_before = {};
+  };
+
   void run();
-  void end(const std::string& key, const api::Status& status);
+  std::optional<Task> next(std::unique_lock<std::mutex>& lock);  ///< none: the Maker is stopping
+  void end(Task task, const api::Status& status, bool forgotten);
 
   const std::size_t waiting_max_;
+  const std::chrono::milliseconds room_after_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::pair<std::string, Work>> waiting_;
+  std::deque<Task> waiting_;
+  std::map<std::string, std::atomic<bool>> made_;  ///< what is being made, and whether it is to stop
   std::map<std::string, Look> looks_;
   std::deque<std::string> failures_;  ///< the oldest first
-  std::atomic<bool> stopping_ = false;
+  bool stopping_ = false;
   std::vector<std::thread> threads_;
 };
 

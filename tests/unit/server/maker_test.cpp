@@ -63,16 +63,57 @@ TEST(Maker, RemembersWhyItFailedAndTriesAgainWhenAsked) {
   std::atomic<int> count = 0;
   const Maker::Work fail = [&](const std::atomic<bool>&) -> api::Status {
     ++count;
-    return api::Error{api::Fault::disk_full, "no room"};
+    return api::Error{api::Fault::internal, "no luck"};
   };
   Maker maker(1, 2);
   ASSERT_TRUE(maker.ask("a", fail));
   ASSERT_TRUE(wait_until([&] { return maker.look("a").state == Maker::State::failed; }));
-  EXPECT_EQ(maker.look("a").error.message, "no room");
+  EXPECT_EQ(maker.look("a").error.message, "no luck");
   ASSERT_TRUE(maker.ask("a", fail));
   ASSERT_TRUE(wait_until([&] { return count == 2 && maker.look("a").state == Maker::State::failed; }));
   EXPECT_TRUE(maker.forget("a"));
   EXPECT_EQ(maker.look("a").state, Maker::State::unknown);
+}
+
+TEST(Maker, WhatFoundNoRoomWaitsAndIsTriedAgain) {
+  std::atomic<bool> room = false;
+  std::atomic<int> count = 0, others = 0;
+  Maker maker(1, 5, 20ms);
+  ASSERT_TRUE(maker.ask("a", [&](const std::atomic<bool>&) -> api::Status {
+    ++count;
+    if (!room) return api::Error{api::Fault::disk_full, "no room"};
+    return api::Done{};
+  }));
+  ASSERT_TRUE(wait_until([&] { return count >= 3; })) << "nobody had to ask again";
+  ASSERT_TRUE(wait_until([&] {
+    const Maker::Look look = maker.look("a");
+    return look.state == Maker::State::waiting && look.error.message == "no room";
+  }));
+  const std::atomic<bool> go = true;
+  ASSERT_TRUE(maker.ask("b", until(go, others)));
+  ASSERT_TRUE(wait_until([&] { return others == 1; })) << "others do not wait for it";
+  room = true;
+  ASSERT_TRUE(wait_until([&] { return maker.look("a").state == Maker::State::unknown; }));
+}
+
+TEST(Maker, EndsAllOfOneKindAndNothingElse) {
+  std::atomic<bool> go = false;
+  std::atomic<int> ours = 0, others = 0;
+  Maker maker(1, 5);
+  ASSERT_TRUE(maker.ask("job/1", until(go, ours)));
+  ASSERT_TRUE(wait_until([&] { return ours == 1; }));
+  ASSERT_TRUE(maker.ask("job/2", until(go, ours)));
+  ASSERT_TRUE(maker.ask("other/1", until(go, others)));
+  maker.end_all("job/");
+  EXPECT_EQ(maker.look("job/1").state, Maker::State::unknown);
+  EXPECT_EQ(maker.look("job/2").state, Maker::State::unknown);
+  EXPECT_EQ(ours, 1) << "the second was never begun";
+  go = true;
+  ASSERT_TRUE(
+      wait_until([&] { return others == 1 && maker.look("other/1").state == Maker::State::unknown; }));
+  go = false;
+  ASSERT_TRUE(maker.ask("job/1", until(go, ours))) << "it can be asked for again";
+  ASSERT_TRUE(wait_until([&] { return ours == 2; }));
 }
 
 TEST(Maker, StoppingEndsWhatIsBeingMadeAndForgetsWhatWaits) {
