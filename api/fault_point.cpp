@@ -1,6 +1,7 @@
 #include "api/fault_point.h"
 
 #include <signal.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <charconv>
@@ -13,6 +14,7 @@ namespace {
 struct Fault {
   std::string name;
   unsigned times = 1;
+  int signal = SIGKILL;
 };
 
 /// Read once: what changes the environment later changes nothing.
@@ -22,6 +24,7 @@ const Fault& fault_asked_for() {
     const std::string_view text = value ? value : "";
     const std::size_t colon = text.find(':');
     Fault fault{std::string(text.substr(0, colon))};
+    if (text.ends_with(":stop")) fault.signal = SIGSTOP;
     if (colon != text.npos)
       (void)std::from_chars(text.data() + colon + 1, text.data() + text.size(), fault.times);
     return fault;
@@ -35,7 +38,7 @@ void fault_point(std::string_view name) {
   const Fault& fault = fault_asked_for();
   if (fault.name.empty() || fault.name != name) return;
   static std::atomic<unsigned> passed = 0;
-  if (++passed == fault.times) (void)::raise(SIGKILL);
+  if (++passed == fault.times) (void)::kill(::getpid(), fault.signal);
 }
 
 }  // namespace api
