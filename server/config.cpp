@@ -58,6 +58,17 @@ api::Status take_log_format(std::string_view text, Config& config) {
   return api::Done{};
 }
 
+/// A name without a port, as browsers send it: "render.example.org".
+api::Status take_public_host(std::string_view text, Config& config) {
+  const bool fine = !text.empty() && text.size() <= 253 && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '-';
+  });
+  if (!fine)
+    return wrong("--public-host: '" + std::string(text) + "' is not the name of a host, without a port");
+  config.public_hosts.emplace_back(text);
+  return api::Done{};
+}
+
 struct NumberOption {
   std::string_view name;
   std::int64_t least;
@@ -66,6 +77,7 @@ struct NumberOption {
 };
 
 constexpr std::int64_t kBytesMost = std::int64_t{1} << 60;
+constexpr std::int64_t kDaysMost = 36'500;
 
 constexpr std::array kNumbers{
     NumberOption{"--worker-threads", 1, 1024,
@@ -85,6 +97,12 @@ constexpr std::array kNumbers{
                  [](Config& config, std::int64_t n) { config.stored_bytes_max = n; }},
     NumberOption{"--max-stored-bytes-per-token", 1, kBytesMost,
                  [](Config& config, std::int64_t n) { config.stored_bytes_per_owner_max = n; }},
+    NumberOption{"--max-blob-bytes", 1, kBytesMost,
+                 [](Config& config, std::int64_t n) { config.blob_bytes_max = n; }},
+    NumberOption{"--blob-hours", 1, 24 * kDaysMost,
+                 [](Config& config, std::int64_t n) { config.blob_hours = n; }},
+    NumberOption{"--default-ttl-days", 1, kDaysMost,
+                 [](Config& config, std::int64_t n) { config.ttl_days = n; }},
 };
 
 const NumberOption* number_named(std::string_view name) {
@@ -99,6 +117,7 @@ api::Status take_option(std::string_view name, std::string_view value, Config& c
   if (name == "--dashboard") config.dashboard = value;
   if (name == "--listen") return take_listen(value, config);
   if (name == "--ops-listen") return take_ops_listen(value, config);
+  if (name == "--public-host") return take_public_host(value, config);
   if (name == "--log") return take_log_format(value, config);
   if (name == "--proxy") config.proxies.emplace_back(value);
   const NumberOption* number = number_named(name);
@@ -173,15 +192,15 @@ bool is_loopback(std::string_view host) {
 }
 
 api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words) {
-  constexpr std::array<std::string_view, 7> kWithText{
-      "--dashboard", "--data", "--listen", "--log", "--ops-listen", "--proxy", "--worker"};
+  constexpr std::array<std::string_view, 8> kWithText{"--dashboard",  "--data",  "--listen",      "--log",
+                                                      "--ops-listen", "--proxy", "--public-host", "--worker"};
   Config config;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
     if (word == "--help" || word == "-h") return CommandLine(ShowHelp{});
     if (word == "--version") return CommandLine(ShowVersion{});
-    if (word == "--insecure-public") {
-      config.insecure_public = true;
+    if (word == "--insecure-public" || word == "--evict") {
+      (word == "--evict" ? config.evict : config.insecure_public) = true;
       continue;
     }
     const std::size_t equals = word.find('=');
@@ -216,11 +235,21 @@ usage: keylume-server --data DIR [options]
   --max-upload-bytes N    of one job; default 2147483648
   --max-queued-per-token N
                           jobs that those who share a token may have in the queue; default 10000
-  --max-stored-bytes N    of all jobs and their results; default: what the disk holds
+  --max-stored-bytes N    of all jobs with their results, views and videos, and all blobs; default: what the disk
+                          holds
   --max-stored-bytes-per-token N
-                          of the jobs submitted with one token; default: no limit
+                          of those of one token; default: no limit
+  --evict                 above --max-stored-bytes, remove finished jobs that are not pinned rather than refuse new
+                          ones, those first whose results nobody has asked for for longest
+  --default-ttl-days N    that a finished job is kept which does not say so itself (ttl_seconds); default: until it
+                          is removed
+  --max-blob-bytes N      of all blobs together; default 8589934592
+  --blob-hours N          that a blob is kept without being used; default 24
   --rate-limit N          requests per second of one token or address, 0 for no limit; default: none where only
                           this machine can reach HOST, else 50
+  --public-host NAME      a name by which browsers may ask for the service, without a port; may be given several
+                          times. Others are refused, but for localhost and, where other machines can reach HOST,
+                          any address in numbers
   --proxy ADDRESS         a proxy in front of the service, whose X-Forwarded-For and X-Forwarded-Proto are
                           believed; may be given several times
   --log text|json         how lines on standard error look; default: text on a terminal, else json
@@ -229,13 +258,15 @@ usage: keylume-server --data DIR [options]
   --help, --version
 
 other commands, each with --data DIR:
-  token create NAME [--scopes LIST] [--expires-days N] [--out FILE] [--if-none]
+  token create NAME [--scopes LIST] [--expires-days N] [--out FILE] [--if-none] [--again]
                           make a token and print it, once; LIST: jobs:read,jobs:write,queue:admin,metrics:read
-                          (default jobs:read,jobs:write). From the first one on the service asks for tokens
+                          (default jobs:read,jobs:write). From the first one on the service asks for tokens. Jobs
+                          belong to the token's NAME; with queue:admin one sees and steers those of all. --again:
+                          another token of a NAME that has one, to replace it: both share their jobs
   token list              names, scopes and dates
-  token revoke NAME       at once, also where a server runs
+  token revoke NAME       all tokens of that name, or the one with that prefix; at once, also where a server runs
   backup FOLDER           the database, tokens and files of all jobs into a new FOLDER, with SHA256SUMS; also while
-                          a server runs
+                          a server runs. Without blobs: they are sent again
   restore FOLDER          a backup into a data folder that does not exist yet
   check                   is the database whole, and every file as it was made? Also while a server runs
   gc                      remove what a crash left and jobs whose time is over; a running server does so by itself

@@ -37,7 +37,12 @@ struct Config {
   std::int64_t stored_bytes_max = INT64_MAX;            ///< of all jobs and their results
   std::int64_t stored_bytes_per_owner_max = INT64_MAX;  ///< of those of one token
   std::optional<double> requests_per_second;  ///< of one token or address; 0: no limit; none: see rate_limit
-  std::vector<std::string> proxies;           ///< addresses whose X-Forwarded-* headers are believed
+  std::int64_t blob_bytes_max = std::int64_t{8} << 30;  ///< of all blobs together
+  std::int64_t blob_hours = 24;                         ///< that a blob is kept without being used
+  std::optional<std::int64_t> ttl_days;  ///< of jobs that do not say how long they are to be kept
+  bool evict = false;  ///< remove what nobody has used for longest rather than be over stored_bytes_max
+  std::vector<std::string> public_hosts;  ///< names that a Host header may have
+  std::vector<std::string> proxies;       ///< addresses whose X-Forwarded-* headers are believed
   LogFormat log_format = LogFormat::automatic;
   bool insecure_public = false;  ///< listen beyond this machine although anybody may then use the service
 };

@@ -145,7 +145,8 @@ int run(const Config& config) {
   const auto bell = Doorbell::create();
   if (!bell) return refuse_command(bell.error(), kExitFailed);
 
-  JobService jobs(**store, *folder, job_rules(config, *bell));
+  const JobRules rules = job_rules(config, *bell);
+  JobService jobs(**store, *folder, rules);
   EventHub hub(**events);
   HttpMetrics http_metrics;
   JobMetrics job_metrics;
@@ -163,7 +164,7 @@ int run(const Config& config) {
   const GateRules gate_config = gate_rules(config);
   const HttpRules http_config = http_rules(config);
   add_limits_route(router, {limits, http_config.uploads_max, http_config.small_body_bytes_max,
-                            EventRules().listeners_max, gate_config.rate});
+                            EventRules().listeners_max, gate_config.rate, rules.blobs});
   Gate gate(tokens, gate_config, system_clock_ms);
   HttpServer http(router, gate, http_config,
                   [&](const Exchange& exchange) { tell_of_exchange(http_metrics, exchange); });

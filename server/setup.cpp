@@ -14,6 +14,7 @@ namespace server {
 namespace {
 
 constexpr std::size_t kOpsThreads = 8;
+constexpr std::int64_t kHourMs = 3'600'000;
 
 }  // namespace
 
@@ -25,6 +26,9 @@ JobRules job_rules(const Config& config, const Doorbell& bell) {
   rules.queued_of_one_owner_max = config.queued_per_owner_max;
   rules.bytes_max = config.stored_bytes_max;
   rules.bytes_of_one_owner_max = config.stored_bytes_per_owner_max;
+  rules.evict = config.evict;
+  if (config.ttl_days) rules.ttl_ms = *config.ttl_days * 24 * kHourMs;
+  rules.blobs = {config.blob_bytes_max, config.blob_hours * kHourMs};
   rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
   auto [check_job, preview_job] = make_checks(check);
   rules.check = std::move(check_job);
@@ -62,8 +66,8 @@ HttpRules http_rules(const Config& config) {
 
 GateRules gate_rules(const Config& config) {
   GateRules rules;
-  rules.this_machine_only = is_loopback(config.host);
-  rules.tokens_required = !rules.this_machine_only && !config.insecure_public;
+  rules.hosts = {is_loopback(config.host), config.public_hosts};
+  rules.tokens_required = !rules.hosts.this_machine_only && !config.insecure_public;
   rules.proxies = config.proxies;
   rules.rate.per_second = rate_limit(config);
   rules.rate.burst = 4 * rules.rate.per_second;
@@ -72,9 +76,9 @@ GateRules gate_rules(const Config& config) {
 
 GateRules ops_gate_rules(const Config& config, const Address& ops) {
   GateRules rules;
-  rules.this_machine_only = is_loopback(ops.host);
-  rules.tokens_required = !rules.this_machine_only && !config.insecure_public;
-  rules.never_asks = rules.this_machine_only;
+  rules.hosts = {is_loopback(ops.host), config.public_hosts};
+  rules.tokens_required = !rules.hosts.this_machine_only && !config.insecure_public;
+  rules.never_asks = rules.hosts.this_machine_only;
   return rules;
 }
 

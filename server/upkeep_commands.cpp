@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "server/artefacts/blobs.h"
 #include "server/artefacts/data_folder.h"
 #include "server/artefacts/verify.h"
 #include "server/backup_folder.h"
@@ -39,6 +40,18 @@ std::vector<std::string> wrong_files(const std::filesystem::path& data, const st
   return wrong;
 }
 
+/// Blobs whose bytes are not what their name says. A missing one is sent again by whoever needs it.
+std::vector<std::string> wrong_blobs(const std::filesystem::path& data,
+                                     const std::vector<std::string>& hashes) {
+  std::vector<std::string> wrong;
+  for (const std::string& sha256 : hashes) {
+    const auto checked = check_blob(data / "blobs" / sha256.substr(0, 2) / sha256, sha256);
+    if (!checked && checked.error().fault != api::Fault::not_found)
+      wrong.push_back("blob " + sha256 + ": " + checked.error().message);
+  }
+  return wrong;
+}
+
 }  // namespace
 
 int run_backup_command(std::span<const std::string_view> given) {
@@ -71,6 +84,10 @@ int run_check_command(std::span<const std::string_view> given) {
     if (!files) return refuse_command(files.error(), kExitFailed);
     checked = files->size();
     *wrong = wrong_files(data, *files);
+    const auto blobs = kept_blobs(*database);
+    if (!blobs) return refuse_command(blobs.error(), kExitFailed);
+    checked += blobs->size();
+    for (std::string& sentence : wrong_blobs(data, *blobs)) wrong->push_back(std::move(sentence));
   }
   for (const std::string& sentence : *wrong) std::cout << sentence << "\n";
   std::cout << (wrong->empty() ? "whole" : "damaged") << ": database and " << checked << " files looked at\n";

@@ -1,13 +1,13 @@
 // Files of uploads by what they hold, so that what is unchanged is not sent again.
 //
-// Nothing refers to them: a job has copies of its own, so that a blob may go at any time. They go when they
-// have not been used for a while.
+// Nothing refers to them: a job has copies of its own, so that a blob may go at any time. Whose they are, and
+// for how long they stay, is the store's to know: JobService.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
+#include <functional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -16,34 +16,30 @@
 
 namespace server {
 
-struct BlobLimits {
-  std::int64_t total_bytes = std::int64_t{8} << 30;  ///< of all blobs together
-  std::chrono::seconds unused_max = std::chrono::hours(24);
-};
-
 /// Safe for use by several threads.
 class Blobs {
  public:
   /// `folder` holds <first two digits>/<hash>; made when it is needed, on the file system of the uploads.
-  Blobs(std::filesystem::path folder, BlobLimits limits);
+  explicit Blobs(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// For reading; it counts as used from now on. Errors: not_found, internal.
+  /// For reading. Errors: not_found, internal.
   api::Result<FileHandle> open(std::string_view sha256) const;
+  bool has(std::string_view sha256) const;
 
-  /// Moves the file `from`, written but not yet durable, to its place, where it is what `sha256` says. It is
-  /// gone from `from` only on success. Errors: invalid_request (other bytes), over_quota, disk_full,
-  /// internal.
+  /// Moves the file `from`, which is what `sha256` says, to its place, over the same bytes if they are there.
+  /// Durable. Errors: disk_full, internal.
   api::Status keep(const std::filesystem::path& from, std::string_view sha256);
 
-  /// Removes what has not been used for `unused_max`. -> bytes that remain
-  std::int64_t collect();
+  /// Removes all others.
+  void keep_only(const std::set<std::string, std::less<>>& hashes);
 
  private:
   std::filesystem::path path_of(std::string_view sha256) const;
 
   const std::filesystem::path folder_;
-  const BlobLimits limits_;
-  std::mutex keeping_;
 };
+
+/// -> its size. Errors: not_found, invalid_request where its bytes have another hash, internal.
+api::Result<std::int64_t> check_blob(const std::filesystem::path& file, std::string_view sha256);
 
 }  // namespace server

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <memory>
 
 #include "api/job_files.h"
 #include "api/json/json_text.h"
@@ -16,8 +15,6 @@
 namespace server {
 namespace {
 
-constexpr std::int64_t kReservedBytes = 64 << 20;  // for the database and for jobs that run
-
 HttpAnswer blob_answer(const HttpRequest& request, const std::string& hash, int status) {
   HttpAnswer answer = json_answer(api::json_text({{"sha256", hash}}), status);
   if (status == 201) answer.headers.emplace_back("Location", request.path);
@@ -29,23 +26,26 @@ HttpAnswer bad_hash(const HttpRequest& request) {
 }
 
 /// GET and HEAD, operationId getBlob. What it holds is not given back: knowing a hash is not owning a file.
-HttpAnswer get_blob(const Blobs& blobs, const HttpRequest& request, const PathValues& values) {
+/// Only who has sent it learns that it is here.
+HttpAnswer get_blob(JobService& jobs, const HttpRequest& request, const PathValues& values) {
   const std::string& hash = values.at("hex");
   if (!api::is_sha256(hash)) return bad_hash(request);
-  const auto file = blobs.open(hash);
+  const auto file = jobs.open_blob(request.owner, hash);
   return file ? blob_answer(request, hash, 200) : problem(file.error(), request.path);
 }
 
-std::optional<HttpAnswer> refuse_blob_early(const HttpRequest& request, const DataFolder& folder,
-                                            const UploadLimits& limits) {
+std::optional<HttpAnswer> refuse_blob_early(const HttpRequest& request, JobService& jobs,
+                                            const DataFolder& folder, const UploadLimits& limits) {
   if (request.header("Content-Encoding"))
     return problem(415, "compressed uploads are not taken", request.path);
   const std::int64_t bytes = whole_number(request.header("Content-Length").value_or("")).value_or(0);
   if (bytes > limits.total_bytes)
     return problem(413, "a blob is at most " + std::to_string(limits.total_bytes) + " bytes", request.path);
   const auto free = free_bytes(folder.uploads());
-  if (free && *free < bytes + kReservedBytes)
+  if (free && *free < bytes + kRoomBytesMin)
     return problem({api::Fault::disk_full, "no room for a blob"}, request.path);
+  if (const api::Status room = jobs.within_quota(request.owner, bytes); !room)
+    return problem(room.error(), request.path);
   return std::nullopt;
 }
 
@@ -68,10 +68,10 @@ class TemporaryFile {
 };
 
 /// PUT, operationId putBlob.
-HttpAnswer put_blob(Blobs& blobs, const DataFolder& folder, const UploadLimits& limits,
+HttpAnswer put_blob(JobService& jobs, const DataFolder& folder, const UploadLimits& limits,
                     const HttpRequest& request, const std::string& hash, const ReadBody& read_body) {
   if (!api::is_sha256(hash)) return bad_hash(request);
-  if (blobs.open(hash)) return blob_answer(request, hash, 200);
+  if (jobs.open_blob(request.owner, hash)) return blob_answer(request, hash, 200);
   const TemporaryFile temporary(folder);
   if (!temporary.file()) return problem(file_error("keep a blob", errno), request.path);
   std::int64_t bytes = 0;
@@ -86,23 +86,24 @@ HttpAnswer put_blob(Blobs& blobs, const DataFolder& folder, const UploadLimits& 
     return problem(413, "a blob is at most " + std::to_string(limits.total_bytes) + " bytes", request.path);
   if (!written) return problem(written.error(), request.path);
   if (!whole) return problem(400, "the blob ended early", request.path);
-  const api::Status kept = blobs.keep(temporary.path(), hash);
+  const api::Status kept = jobs.keep_blob(request.owner, temporary.path(), hash);
   return kept ? blob_answer(request, hash, 201) : problem(kept.error(), request.path);
 }
 
 }  // namespace
 
-void add_blob_routes(Router& router, const std::shared_ptr<Blobs>& blobs, const DataFolder& folder,
-                     const UploadLimits& limits) {
+void add_blob_routes(Router& router, JobService& jobs, const DataFolder& folder, const UploadLimits& limits) {
   const std::string pattern = "/v1/blobs/sha256/{hex}";
   router.add("GET", pattern,
-             [blobs](const auto& request, const auto& values) { return get_blob(*blobs, request, values); });
+             [&jobs](const auto& request, const auto& values) { return get_blob(jobs, request, values); });
   router.add_upload(
       "PUT", pattern,
-      [blobs, &folder, limits](const HttpRequest& request, const PathValues& values, const ReadBody& body) {
-        return put_blob(*blobs, folder, limits, request, values.at("hex"), body);
+      [&jobs, &folder, limits](const HttpRequest& request, const PathValues& values, const ReadBody& body) {
+        return put_blob(jobs, folder, limits, request, values.at("hex"), body);
       },
-      [&folder, limits](const HttpRequest& request) { return refuse_blob_early(request, folder, limits); });
+      [&jobs, &folder, limits](const HttpRequest& request) {
+        return refuse_blob_early(request, jobs, folder, limits);
+      });
 }
 
 }  // namespace server

@@ -1,6 +1,5 @@
 // Server-sent events (the event stream format of the HTML standard): what happens to jobs, as it happens.
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <map>
 #include <utility>
@@ -8,8 +7,10 @@
 #include "api/job_status.h"
 #include "api/json/json_text.h"
 #include "server/http/job_json.h"
+#include "server/http/parameters.h"
 #include "server/http/problem.h"
 #include "server/http/routes.h"
+#include "server/log.h"
 
 namespace server {
 namespace {
@@ -46,14 +47,21 @@ std::string progress_text(const JobProgress& progress) {
   return "event: progress\ndata: " + api::json_text(data) + "\n\n";
 }
 
-/// One listener's stream. `job`: of this one only; it ends with the job.
+/// Whose jobs somebody follows: of one job; of one owner; of all.
+struct Followed {
+  const Job* job = nullptr;
+  std::optional<std::string> owner = std::nullopt;
+};
+
+/// One listener's stream. Of one job it ends with the job.
 class EventStream {
  public:
-  EventStream(JobService& jobs, EventHub& hub, std::shared_ptr<void> place, const Job* job, std::int64_t last)
-      : jobs_(jobs), hub_(hub), place_(std::move(place)), last_(last) {
-    if (!job) return;
-    job_id_ = job->id;
-    job_seq_ = job->seq;
+  EventStream(JobService& jobs, EventHub& hub, std::shared_ptr<void> place, const Followed& followed,
+              std::int64_t last)
+      : jobs_(jobs), hub_(hub), place_(std::move(place)), owner_(followed.owner), last_(last) {
+    if (!followed.job) return;
+    job_id_ = followed.job->id;
+    job_seq_ = followed.job->seq;
   }
 
   /// As HttpAnswer::stream wants it.
@@ -62,10 +70,11 @@ class EventStream {
     begun_ = true;
     seen_ = hub_.wait(seen_, kLookUp);
     if (hub_.stopped()) return false;
-    const auto events = hub_.reader().after(last_, job_seq_, kPageEvents);
-    if (!events) return false;  // the client comes back, and asks from where it was
-    for (const JobEvent& event : *events) add(event, piece);
-    const bool caught_up = static_cast<std::int64_t>(events->size()) < kPageEvents;
+    const auto page = next_page();
+    if (!page) return false;  // the client comes back, and asks from where it was
+    for (const JobEvent& event : page->events) add(event, piece);
+    last_ = page->through;
+    const bool caught_up = static_cast<std::int64_t>(page->events.size()) < kPageEvents;
     if (!caught_up) {
       seen_ = 0;  // do not wait for news before the next page
     } else if (job_seq_ && over_) {
@@ -77,9 +86,16 @@ class EventStream {
   }
 
  private:
+  api::Result<EventPage> next_page() {
+    if (owner_) return hub_.reader().of_owner_after(*owner_, last_, kPageEvents);
+    auto events = hub_.reader().after(last_, job_seq_, kPageEvents);
+    if (!events) return events.error();
+    const std::int64_t through = events->empty() ? last_ : events->back().id;
+    return EventPage{std::move(*events), through};
+  }
+
   void add(const JobEvent& event, std::string& piece) {
     piece += event_text(event);
-    last_ = event.id;
     over_ = is_final_state(event.to);
     // What the hub saw before the job ended must not follow its end.
     if (over_)
@@ -92,6 +108,7 @@ class EventStream {
     std::map<std::int64_t, std::int64_t> told;
     for (const JobProgress& progress : hub_.progress()) {
       if (job_seq_ && progress.job_seq != *job_seq_) continue;
+      if (owner_ && progress.owner != *owner_) continue;
       const auto known = told_.find(progress.job_seq);
       const std::int64_t version = known == told_.end() ? -1 : known->second;
       if (progress.version > version) piece += progress_text(progress);
@@ -118,7 +135,8 @@ class EventStream {
   std::shared_ptr<void> place_;
   std::string job_id_;
   std::optional<std::int64_t> job_seq_;
-  std::int64_t last_;                          ///< id of the last event that was sent
+  const std::optional<std::string> owner_;
+  std::int64_t last_;                          ///< id of the last event that was looked at
   std::map<std::int64_t, std::int64_t> told_;  ///< by job: version of the progress that was sent
   std::uint64_t seen_ = 0;                     ///< of the hub's news
   bool begun_ = false;
@@ -139,15 +157,14 @@ std::optional<std::int64_t> start_of(const HttpRequest& request, std::int64_t ne
                                      std::int64_t otherwise) {
   const auto header = request.header("Last-Event-ID");
   if (!header || header->empty()) return otherwise;
-  std::int64_t id = 0;
-  const char* end = header->data() + header->size();
-  const auto parsed = std::from_chars(header->data(), end, id);
-  if (parsed.ec != std::errc() || parsed.ptr != end || id < 0) return std::nullopt;
-  return std::min(id, newest);
+  const auto id = whole_number(*header);
+  if (!id || *id < 0) return std::nullopt;
+  return std::min(*id, newest);
 }
 
 /// GET /v1/events and /v1/jobs/{id}/events, operationIds followJobs and followJob.
-HttpAnswer follow(JobService& jobs, EventHub& hub, const HttpRequest& request, const Job* job) {
+HttpAnswer follow(JobService& jobs, EventHub& hub, const HttpRequest& request, const Followed& followed) {
+  const Job* job = followed.job;
   const auto newest = hub.reader().newest();
   if (!newest) return problem(newest.error(), request.path);
   const auto last = start_of(request, *newest, job ? 0 : *newest);
@@ -168,19 +185,20 @@ HttpAnswer follow(JobService& jobs, EventHub& hub, const HttpRequest& request, c
   if (!place)
     return problem({api::Fault::out_of_resources, "too many listeners at once; poll the job instead"},
                    request.path);
-  return stream_answer(std::make_shared<EventStream>(jobs, hub, std::move(place), job, *last));
+  return stream_answer(std::make_shared<EventStream>(jobs, hub, std::move(place), followed, *last));
 }
 
 }  // namespace
 
 void add_event_routes(Router& router, JobService& jobs, EventHub& hub) {
   router.add("GET", "/v1/events", [&jobs, &hub](const HttpRequest& request, const PathValues&) {
-    return follow(jobs, hub, request, nullptr);
+    const auto owner = request.sees_all ? std::nullopt : std::optional(request.owner);
+    return follow(jobs, hub, request, {nullptr, owner});
   });
   router.add("GET", "/v1/jobs/{id}/events",
              [&jobs, &hub](const HttpRequest& request, const PathValues& values) {
                const auto job = jobs.job(values.at("id"));
-               return job ? follow(jobs, hub, request, &*job) : problem(job.error(), request.path);
+               return job ? follow(jobs, hub, request, {&*job}) : problem(job.error(), request.path);
              });
 }
 

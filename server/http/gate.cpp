@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "server/http/dashboard_routes.h"
-#include "server/http/origin.h"
 #include "server/http/problem.h"
 
 namespace server {
@@ -140,7 +139,7 @@ std::optional<HttpAnswer> Gate::refuse_too_often(
 
 std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
                                        std::vector<std::pair<std::string, std::string>>& more_headers) {
-  if (auto stranger = refuse_stranger(request, rules_.this_machine_only)) return stranger;
+  if (auto stranger = refuse_stranger(request, rules_.hosts)) return stranger;
   request.over_tls = false;
   if (from_proxy(request)) {
     request.over_tls = request.header("X-Forwarded-Proto") == "https";
@@ -154,7 +153,9 @@ std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
   if (token) request.owner = token->name;
   if (auto often = refuse_too_often(request, token ? token->prefix : "from " + request.address, more_headers))
     return often;
-  if (!wanted || !asks_for_tokens()) return std::nullopt;
+  const bool asks = asks_for_tokens();
+  request.sees_all = !asks || (token && token->scopes.has(Scope::queue_admin));
+  if (!wanted || !asks) return std::nullopt;
   if (!token) return not_known(request, brought.has_value());
   const bool writes = request.method != "GET" && request.method != "HEAD";
   // Browsers send the cookie with whatever page asks; that it is ours must be said, not just not denied.

@@ -12,12 +12,13 @@
 #include "server/auth/rate_limiter.h"
 #include "server/auth/token_folder.h"
 #include "server/http/message.h"
+#include "server/http/origin.h"
 #include "server/http/router.h"
 
 namespace server {
 
 struct GateRules {
-  bool this_machine_only = true;     ///< we listen on loopback: see refuse_stranger
+  HostRules hosts;                   ///< see refuse_stranger
   bool tokens_required = false;      ///< also before there has ever been one
   bool never_asks = false;           ///< whoever gets here may do what is here
   std::vector<std::string> proxies;  ///< addresses whose X-Forwarded-* headers are believed
@@ -33,8 +34,8 @@ class Gate {
   Gate(TokenFolder& tokens, GateRules rules, Clock clock);
 
   /// The refusal, in this order: 421 and 403 for what a browser does on another's behalf, 401 without a token
-  /// where one is asked for, 429 too often, 403 without the scope. None: come in; request.owner and
-  /// request.address are set. `more_headers`: for the answer, whichever it will be.
+  /// where one is asked for, 429 too often, 403 without the scope. None: come in; request.owner,
+  /// request.address and request.sees_all are set. `more_headers`: for the answer, whichever it will be.
   std::optional<HttpAnswer> refuse(HttpRequest& request, const Route* route,
                                    std::vector<std::pair<std::string, std::string>>& more_headers);
 

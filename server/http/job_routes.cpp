@@ -79,8 +79,9 @@ std::string link_to_next(const HttpRequest& request, std::int64_t next) {
 
 /// GET /v1/jobs, operationId listJobs.
 HttpAnswer list_jobs(JobService& jobs, const HttpRequest& request) {
-  const ListQuery query = read_list_query(request);
+  ListQuery query = read_list_query(request);
   if (query.refused) return *query.refused;
+  if (!request.sees_all) query.filter.visible_to = request.owner;
   const auto page = jobs.list(query.filter, query.limit);
   if (!page) return problem(page.error(), request.path);
   HttpAnswer answer = json_answer(job_page_json(*page, *jobs.queue_positions()));
@@ -176,6 +177,10 @@ RouteHandler wish_handler(JobService& jobs, api::Result<Job> (JobService::*wish)
 }  // namespace
 
 void add_job_routes(Router& router, JobService& jobs) {
+  router.guard("id", [&jobs](const HttpRequest& request, const PathValues& values) {
+    const api::Status seen = jobs.must_see(values.at("id"), viewer_of(request));
+    return seen ? std::nullopt : std::optional(problem(seen.error(), request.path));
+  });
   const auto with_jobs = [&jobs](auto handler) {
     return [&jobs, handler](const HttpRequest& request, const PathValues& values) {
       return handler(jobs, request, values);

@@ -24,6 +24,7 @@ struct HttpRequest {
   std::string owner = {};    ///< the name of the token that it was sent with; empty: none is asked for
   std::string address = {};  ///< of the client, or of the proxy before it
   bool over_tls = false;     ///< a proxy of ours says that it came to it over TLS
+  bool sees_all = false;     ///< also the jobs of other owners
 
   std::optional<std::string> parameter(std::string_view name) const {
     for (const auto& [key, value] : query)

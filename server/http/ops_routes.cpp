@@ -100,6 +100,10 @@ void write_jobs(PrometheusText& text, const OpsSources& sources) {
   text.sample(static_cast<double>(garbage.jobs));
   text.family("keylume_gc_removed_bytes_total", "counter", "Their bytes.");
   text.sample(static_cast<double>(garbage.bytes));
+  text.family("keylume_evicted_jobs_total", "counter", "Finished jobs removed to make room for others.");
+  text.sample(static_cast<double>(garbage.evicted_jobs));
+  text.family("keylume_evicted_bytes_total", "counter", "Their bytes.");
+  text.sample(static_cast<double>(garbage.evicted_bytes));
 }
 
 void write_service(PrometheusText& text, const OpsSources& sources) {
@@ -110,6 +114,14 @@ void write_service(PrometheusText& text, const OpsSources& sources) {
   text.family("keylume_disk_free_bytes", "gauge", "Free on the file system of the data folder.");
   text.sample(
       static_cast<double>(free_bytes(sources.folder.uploads()) ? *free_bytes(sources.folder.uploads()) : -1));
+  if (const auto bytes = sources.store.total_bytes()) {
+    text.family("keylume_stored_bytes", "gauge", "Of all jobs and blobs, as quotas count them.");
+    text.sample(static_cast<double>(*bytes));
+  }
+  if (const auto bytes = sources.store.blob_bytes()) {
+    text.family("keylume_blob_bytes", "gauge", "Of the blobs among them.");
+    text.sample(static_cast<double>(*bytes));
+  }
   text.family("keylume_sqlite_wal_bytes", "gauge", "Of the database's write-ahead log.");
   text.sample(static_cast<double>(bytes_of(sources.folder.database().string() + "-wal")));
   text.family("keylume_build_info", "gauge", "1; the version is in the label.");

@@ -1,18 +1,15 @@
 #include "server/http/origin.h"
 
 #include <arpa/inet.h>
-#include <strings.h>
 
+#include <algorithm>
 #include <string>
 
+#include "server/http/field_text.h"
 #include "server/http/problem.h"
 
 namespace server {
 namespace {
-
-bool same_ignoring_case(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && ::strncasecmp(a.data(), b.data(), a.size()) == 0;
-}
 
 bool is_port(std::string_view text) {
   return text.find_first_not_of("0123456789") == text.npos;
@@ -27,23 +24,33 @@ std::optional<std::string_view> authority_of(std::string_view origin) {
 
 }  // namespace
 
-bool names_this_machine(std::string_view host) {
+bool answers_for(std::string_view host, const HostRules& rules) {
   const std::size_t colon = host.find(':', host.starts_with('[') ? host.find(']') : 0);
   if (colon != host.npos) {
     if (!is_port(host.substr(colon + 1))) return false;
     host = host.substr(0, colon);
   }
-  if (same_ignoring_case(host, "localhost") || host == "[::1]") return true;
+  const auto is_named = [&](std::string_view name) { return same_ignoring_case(host, name); };
+  if (is_named("localhost") || std::any_of(rules.names.begin(), rules.names.end(), is_named)) return true;
+  if (host.starts_with('[') && host.ends_with(']')) {
+    in6_addr address{};
+    const std::string digits(host.substr(1, host.size() - 2));
+    if (::inet_pton(AF_INET6, digits.c_str(), &address) != 1) return false;
+    return !rules.this_machine_only || IN6_IS_ADDR_LOOPBACK(&address);
+  }
   in_addr address{};
-  return ::inet_pton(AF_INET, std::string(host).c_str(), &address) == 1 &&
-         (ntohl(address.s_addr) >> 24) == 127;
+  if (::inet_pton(AF_INET, std::string(host).c_str(), &address) != 1) return false;
+  return !rules.this_machine_only || (ntohl(address.s_addr) >> 24) == 127;
 }
 
-std::optional<HttpAnswer> refuse_stranger(const HttpRequest& request, bool this_machine_only) {
+std::optional<HttpAnswer> refuse_stranger(const HttpRequest& request, const HostRules& rules) {
   const auto host = request.header("Host");
-  if (this_machine_only && host && !names_this_machine(*host))
-    return problem(421, "this service answers for localhost only, not for the host that was asked for",
-                   request.path);
+  if (host && !answers_for(*host, rules))
+    return problem(
+        421,
+        "this service does not answer for the host that was asked for; its operator can name it with "
+        "--public-host",
+        request.path);
   const auto origin = request.header("Origin");
   if (!origin || request.method == "GET" || request.method == "HEAD") return std::nullopt;
   const auto theirs = authority_of(*origin);

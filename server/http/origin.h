@@ -2,19 +2,27 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/http/message.h"
 
 namespace server {
 
-/// Does a Host header name this machine: localhost, 127.x.x.x or [::1], with any port or none?
-bool names_this_machine(std::string_view host);
+/// Which Host headers are answered, with any port or none.
+struct HostRules {
+  bool this_machine_only = true;        ///< of numbers only 127.x.x.x and [::1]; otherwise any address
+  std::vector<std::string> names = {};  ///< besides localhost
+};
 
-/// A 421 where `this_machine_only` (we listen on loopback) and Host names another machine: a page whose name
-/// was rebound to our address would otherwise read what it likes. A 403 for a request that may change
-/// something and whose Origin is not our own: no page but ours may submit, cancel or delete. A request
-/// without these headers is no browser's.
-std::optional<HttpAnswer> refuse_stranger(const HttpRequest& request, bool this_machine_only);
+/// A page whose name was rebound to our address would otherwise read what it likes. For that it needs a name
+/// of its own; an address in numbers leads nowhere but here.
+bool answers_for(std::string_view host, const HostRules& rules);
+
+/// A 421 where Host is none that we answer for. A 403 for a request that may change something and whose
+/// Origin is not our own: no page but ours may submit, cancel or delete. A request without these headers is
+/// no browser's.
+std::optional<HttpAnswer> refuse_stranger(const HttpRequest& request, const HostRules& rules);
 
 }  // namespace server

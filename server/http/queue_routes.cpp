@@ -44,13 +44,15 @@ api::Result<Job> act(JobService& jobs, std::string_view action, std::string_view
   return jobs.retry(id);
 }
 
-BatchResult act_on_one(JobService& jobs, std::string_view action, const std::string& id) {
+BatchResult act_on_one(JobService& jobs, const Viewer& viewer, std::string_view action,
+                       const std::string& id) {
   const auto refused = [&](const api::Error& error) {
     const HttpAnswer alone = problem(error, "");
     // What failed inside is not told here either.
     const bool inside = error.fault == api::Fault::internal || error.fault == api::Fault::disk_full;
     return BatchResult{id, alone.status, "", inside ? std::string(title_of(alone.status)) : error.message};
   };
+  if (const api::Status seen = jobs.must_see(id, viewer); !seen) return refused(seen.error());
   if (action == "delete") {
     const api::Status removed = jobs.remove(id);
     return removed ? BatchResult{id, 204, "", ""} : refused(removed.error());
@@ -64,15 +66,17 @@ HttpAnswer batch(JobService& jobs, const HttpRequest& request) {
   const auto wanted = api::parse_job_batch(request.body);
   if (!wanted) return problem(wanted.error(), request.path);
   std::vector<BatchResult> results;
-  for (const std::string& id : wanted->ids) results.push_back(act_on_one(jobs, wanted->action, id));
+  for (const std::string& id : wanted->ids)
+    results.push_back(act_on_one(jobs, viewer_of(request), wanted->action, id));
   return json_answer(batch_json(results));
 }
 
 }  // namespace
 
 void add_queue_routes(Router& router, JobService& jobs) {
-  router.add("GET", "/v1/queue",
-             [&jobs](const auto& request, const auto&) { return queue_answer(jobs.queue(), request); });
+  router.add("GET", "/v1/queue", [&jobs](const auto& request, const auto&) {
+    return queue_answer(jobs.queue(viewer_of(request)), request);
+  });
   router.add("POST", "/v1/queue/pause",
              [&jobs](const auto& request, const auto&) { return pause_queue(jobs, request); });
   router.add("POST", "/v1/queue/resume", [&jobs](const auto& request, const auto&) {

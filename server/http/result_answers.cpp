@@ -74,6 +74,7 @@ void add_job_route(Router& router, JobService& jobs, std::string method, std::st
              [&jobs, handler = std::move(handler)](const HttpRequest& request, const PathValues& values) {
                const auto job = jobs.job(values.at("id"));
                if (!job) return problem(job.error(), request.path);
+               jobs.use(*job);
                return handler(jobs, *job, request, values);
              });
 }

@@ -82,6 +82,20 @@ void Router::add_upload(std::string method, std::string pattern, UploadHandler u
   route->refuse_early = std::move(refuse_early);
 }
 
+void Router::guard(std::string name, RouteGuard guard) {
+  guarded_name_ = std::move(name);
+  guard_ = std::move(guard);
+}
+
+HttpAnswer Router::answer_of(const Route& route, const HttpRequest& request, const PathValues& values) const {
+  if (guard_ && values.contains(guarded_name_))
+    if (auto refused = guard_(request, values)) return *refused;
+  HttpAnswer answer = route.handler(request, values);
+  if (route.method == "GET") name_what_may_be_polled(answer);
+  apply_conditions(request, answer);
+  return answer;
+}
+
 FoundRoute Router::find(std::string_view method, std::string_view path) const {
   if (method == "HEAD") method = "GET";
   for (const Route& route : routes_)
@@ -96,12 +110,7 @@ HttpAnswer Router::answer(const HttpRequest& request) const {
   for (const Route& route : routes_) {
     const auto values = match(route.pattern, request.path);
     if (!values) continue;
-    if (route.method == method) {
-      HttpAnswer answer = route.handler(request, *values);
-      if (route.method == "GET") name_what_may_be_polled(answer);
-      apply_conditions(request, answer);
-      return answer;
-    }
+    if (route.method == method) return answer_of(route, request, *values);
     other_methods.insert(route.method);
     if (route.method == "GET") other_methods.insert("HEAD");
   }

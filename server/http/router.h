@@ -23,6 +23,9 @@ using UploadHandler = std::function<HttpAnswer(const HttpRequest&, const PathVal
 /// A refusal that needs no byte of the body: wrong type, too large by its own word. None: let it come.
 using EarlyRefusal = std::function<std::optional<HttpAnswer>(const HttpRequest&)>;
 
+/// A refusal that comes before the route looks at anything else.
+using RouteGuard = std::function<std::optional<HttpAnswer>(const HttpRequest&, const PathValues&)>;
+
 struct Route {
   std::string method;
   std::string pattern;  ///< as in api/openapi.yaml: "/v1/jobs/{id}/frames/{f}"
@@ -44,6 +47,10 @@ class Router {
   /// A route with a body that streams; the route may have been added with a handler before.
   void add_upload(std::string method, std::string pattern, UploadHandler upload, EarlyRefusal refuse_early);
 
+  /// Of all routes with a {name}, also those that are added later: whatever such a route does, it does it
+  /// only for whom the guard lets pass. Uploads are asked for with no such name.
+  void guard(std::string name, RouteGuard guard);
+
   FoundRoute find(std::string_view method, std::string_view path) const;
 
   /// The route's answer; 404 where no pattern fits, 405 with `Allow` where one does under another method.
@@ -53,7 +60,11 @@ class Router {
   const std::vector<Route>& routes() const { return routes_; }
 
  private:
+  HttpAnswer answer_of(const Route& route, const HttpRequest& request, const PathValues& values) const;
+
   std::vector<Route> routes_;
+  std::string guarded_name_;
+  RouteGuard guard_;
 };
 
 }  // namespace server

@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "server/artefacts/blobs.h"
 #include "server/artefacts/data_folder.h"
 #include "server/auth/rate_limiter.h"
 #include "server/auth/token_folder.h"
@@ -18,7 +17,8 @@
 
 namespace server {
 
-/// /v1/jobs, /v1/jobs/{id}, /v1/jobs/{id}/cancel
+/// /v1/jobs, /v1/jobs/{id}, /v1/jobs/{id}/cancel; and the guard of every route with an {id}: 404 for whoever
+/// may not see that job
 void add_job_routes(Router& router, JobService& jobs);
 /// /v1/jobs/{id}/key-frames, frames, images, radiosity, patches, manifest, report, log
 void add_result_routes(Router& router, JobService& jobs, ViewService* views = nullptr);
@@ -35,6 +35,7 @@ struct ServiceLimits {
   std::size_t small_body_bytes = 0;
   std::size_t listeners = 0;
   RateRules rate;
+  BlobRules blobs;
 };
 /// /v1/limits
 void add_limits_route(Router& router, const ServiceLimits& limits);
@@ -49,7 +50,7 @@ void add_upload_routes(Router& router, JobService& jobs, const DataFolder& folde
 inline constexpr std::string_view kSubmitPath = "/v1/jobs", kValidatePath = "/v1/validate",
                                   kPreviewPath = "/v1/preview";
 HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
-                    const DataFolder& folder, const Blobs& blobs, const UploadLimits& limits);
+                    const DataFolder& folder, const UploadLimits& limits);
 
 /// Refusals that need no body: not multipart (415), too large by its own word (413), no room for it (507),
 /// more than this client may have in the queue (429) or than anybody (503).
@@ -57,6 +58,10 @@ std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, JobSer
                                               const DataFolder& folder, const UploadLimits& limits);
 
 HttpAnswer json_answer(std::string body, int status = 200);
+
+inline Viewer viewer_of(const HttpRequest& request) {
+  return {request.owner, request.sees_all};
+}
 
 /// The OpenAPI document as JSON, embedded when this was built.
 std::string_view openapi_json();

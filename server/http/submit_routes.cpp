@@ -110,10 +110,9 @@ std::optional<HttpAnswer> receive_parts(const HttpRequest& request, const ReadBo
 
 /// The upload, received and answered.
 HttpAnswer receive(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
-                   const DataFolder& folder, const Blobs& blobs, const UploadLimits& limits,
-                   const std::optional<HeldKey>& key) {
+                   const DataFolder& folder, const UploadLimits& limits, const std::optional<HeldKey>& key) {
   UploadReceiver receiver(folder, new_job_id(system_clock_ms()), limits);
-  const auto refused = is_json(request) ? receive_named_files(request, read_body, blobs, receiver)
+  const auto refused = is_json(request) ? receive_named_files(request, read_body, jobs, receiver)
                                         : receive_parts(request, read_body, receiver);
   if (refused) return *refused;
   if (receiver.refusal()) return refusal_answer(*receiver.refusal(), request.path);
@@ -153,16 +152,15 @@ std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, JobSer
 }
 
 HttpAnswer take_job(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
-                    const DataFolder& folder, const Blobs& blobs, const UploadLimits& limits) {
+                    const DataFolder& folder, const UploadLimits& limits) {
   if (auto refused = refuse_upload_early(request, jobs, folder, limits)) return *refused;
-  if (request.path != kSubmitPath)
-    return receive(request, read_body, jobs, folder, blobs, limits, std::nullopt);
+  if (request.path != kSubmitPath) return receive(request, read_body, jobs, folder, limits, std::nullopt);
   const auto name = request.header("Idempotency-Key");
-  if (!name) return receive(request, read_body, jobs, folder, blobs, limits, std::nullopt);
+  if (!name) return receive(request, read_body, jobs, folder, limits, std::nullopt);
   if (!is_idempotency_key(*name)) return bad_key(request);
   // Held until the answer is made: whoever repeats the request meanwhile must not make a second job.
   const std::optional<HeldKey> key = jobs.hold_key(request.owner, *name);
-  return key ? receive(request, read_body, jobs, folder, blobs, limits, key) : still_answering(request);
+  return key ? receive(request, read_body, jobs, folder, limits, key) : still_answering(request);
 }
 
 }  // namespace server

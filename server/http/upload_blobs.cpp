@@ -41,7 +41,7 @@ bool is_json(const HttpRequest& request) {
 }
 
 std::optional<HttpAnswer> receive_named_files(const HttpRequest& request, const ReadBody& read_body,
-                                              const Blobs& blobs, UploadReceiver& receiver) {
+                                              JobService& jobs, UploadReceiver& receiver) {
   std::string body;
   const bool whole = read_body([&](std::string_view bytes) {
     body += bytes;
@@ -59,7 +59,8 @@ std::optional<HttpAnswer> receive_named_files(const HttpRequest& request, const 
     return std::nullopt;
   for (std::size_t i = 0; i < job->files.size(); ++i) {
     const api::JobFile& file = job->files[i];
-    const auto blob = blobs.open(file.sha256);
+    const auto blob = jobs.open_blob(request.owner, file.sha256);
+    if (!blob && blob.error().fault != api::Fault::not_found) return problem(blob.error(), request.path);
     if (!blob) return problem(unknown_blob(i, file), request.path);
     int read_error = 0;
     const bool taken = receiver.begin_part(file.field, file.name.empty() ? file.field : file.name) &&

@@ -1,10 +1,8 @@
 // Uploads whose files were sent before, one by one, and are named by their hashes.
 #pragma once
 
-#include <memory>
 #include <string_view>
 
-#include "server/artefacts/blobs.h"
 #include "server/http/message.h"
 #include "server/http/router.h"
 #include "server/http/upload_receiver.h"
@@ -12,14 +10,13 @@
 namespace server {
 
 /// /v1/blobs/sha256/{hex}
-void add_blob_routes(Router& router, const std::shared_ptr<Blobs>& blobs, const DataFolder& folder,
-                     const UploadLimits& limits);
+void add_blob_routes(Router& router, JobService& jobs, const DataFolder& folder, const UploadLimits& limits);
 
 bool is_json(const HttpRequest& request);
 
 /// Reads a JSON body (api::JobFiles) and has `receiver` take the files that it names, as if they came as
-/// parts. None: all are taken, or the receiver has refused one.
+/// parts. They must have been sent by the same owner. None: all are taken, or the receiver has refused one.
 std::optional<HttpAnswer> receive_named_files(const HttpRequest& request, const ReadBody& read_body,
-                                              const Blobs& blobs, UploadReceiver& receiver);
+                                              JobService& jobs, UploadReceiver& receiver);
 
 }  // namespace server

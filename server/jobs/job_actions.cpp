@@ -13,6 +13,14 @@ using api::Fault;
 using api::JobEvent;
 using api::JobState;
 
+api::Status JobService::must_see(std::string_view id, const Viewer& viewer) {
+  if (viewer.sees_all) return api::Done{};
+  const auto owner = store_.owner_of(id);
+  if (!owner) return owner.error();
+  if (*owner == viewer.owner) return api::Done{};
+  return no_such_job(id);
+}
+
 api::Result<JobPage> JobService::list(const JobFilter& filter, std::int64_t limit) {
   // One more than asked for tells whether another page follows.
   auto jobs = store_.list(filter, limit + 1);

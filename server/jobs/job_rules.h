@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 
 #include "api/result.h"
 
@@ -20,14 +21,24 @@ struct WorkerBudget {
   std::int64_t memory_bytes = INT64_MAX;
 };
 
+/// Of files that are sent one by one, before the jobs that name them.
+struct BlobRules {
+  std::int64_t total_bytes = std::int64_t{8} << 30;  ///< of all owners together
+  std::int64_t unused_ms = 24 * 3600 * 1000;         ///< after so long without use they go
+};
+
 struct JobRules {
   std::uint32_t attempts_without_progress_max = 3;
   std::int64_t queued_max = 10'000;
   std::int64_t queued_of_one_owner_max = 10'000;
-  std::int64_t bytes_max = INT64_MAX;               ///< of all jobs together, with their results
+  std::int64_t bytes_max = INT64_MAX;  ///< of all jobs and blobs together, with results, views and videos
   std::int64_t bytes_of_one_owner_max = INT64_MAX;  ///< of those of one token
-  std::int64_t key_ms = 24 * 3600 * 1000;           ///< that an Idempotency-Key is kept
-  std::size_t waiters_max = 8;  ///< requests that wait for a job to end; each holds a thread
+  /// Rather than be over bytes_max, remove finished jobs that nobody has used for longest.
+  bool evict = false;
+  std::optional<std::int64_t> ttl_ms;  ///< of jobs that do not say how long they are to be kept
+  BlobRules blobs;
+  std::int64_t key_ms = 24 * 3600 * 1000;  ///< that an Idempotency-Key is kept
+  std::size_t waiters_max = 8;             ///< requests that wait for a job to end; each holds a thread
   /// How often a job may run when the server is killed: more than by chance, so it may be the job's doing.
   std::uint32_t orphaned_attempts_max = 10;
   std::uint32_t disk_full_attempts_max = 10;

@@ -25,6 +25,12 @@ api::Result<api::JobOptions> read_options(const Upload& upload, std::int64_t now
   return options;
 }
 
+std::int64_t bytes_of(const Upload& upload) {
+  std::int64_t bytes = 0;
+  for (const InputFile& input : upload.inputs) bytes += input.bytes;
+  return bytes;
+}
+
 }  // namespace
 
 api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t now_ms, std::string_view file) {
@@ -36,7 +42,11 @@ api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t no
 }
 
 JobService::JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock)
-    : store_(store), folder_(folder), rules_(std::move(rules)), clock_(std::move(clock)) {}
+    : store_(store),
+      folder_(folder),
+      rules_(std::move(rules)),
+      clock_(std::move(clock)),
+      blobs_(folder.blobs()) {}
 
 api::Result<Job> JobService::submit(const Upload& upload) {
   return submit(upload, std::nullopt);
@@ -50,6 +60,11 @@ api::Result<Job> JobService::submit(const Upload& upload, std::optional<Idempote
     return row.error();
   }
   api::fault_point("upload_checked");
+  // Not before the job is known to be right: it may cost others theirs.
+  if (const api::Status room = make_room(bytes_of(upload)); !room) {
+    discard(upload);
+    return room.error();
+  }
   row->key = std::move(key);
   auto job = keep(upload, *row);
   if (!job) return job;
@@ -124,26 +139,8 @@ api::Status JobService::admit(std::string_view owner, std::int64_t bytes) {
   return within_quota(owner, bytes);
 }
 
-api::Status JobService::within_quota(std::string_view owner, std::int64_t bytes) {
-  const auto refuse_above = [&](std::optional<std::string_view> whose, std::int64_t most,
-                                const std::string& what) -> api::Status {
-    if (most == INT64_MAX) return api::Done{};
-    const auto kept = store_.total_bytes(whose);
-    if (!kept) return kept.error();
-    if (*kept + bytes <= most) return api::Done{};
-    return api::Error{Fault::over_quota, what + " take " + std::to_string(*kept) + " of " +
-                                             std::to_string(most) +
-                                             " bytes; there is room again when some are removed"};
-  };
-  api::Status all = refuse_above(std::nullopt, rules_.bytes_max, "all jobs together");
-  if (!all) return all;
-  return refuse_above(owner, rules_.bytes_of_one_owner_max, "your jobs");
-}
-
 api::Result<NewJob> JobService::check(const Upload& upload) {
-  std::int64_t bytes = 0;
-  for (const InputFile& input : upload.inputs) bytes += input.bytes;
-  if (const api::Status admitted = admit(upload.owner, bytes); !admitted) return admitted.error();
+  if (const api::Status admitted = admit(upload.owner, bytes_of(upload)); !admitted) return admitted.error();
   const auto options = read_options(upload, clock_());
   if (!options) return options.error();
   // The worker's check first: it says what is wrong with every file.
@@ -152,6 +149,7 @@ api::Result<NewJob> JobService::check(const Upload& upload) {
   auto row = read_request(upload);
   if (!row) return row;
   row->forecast = read_check_report(folder).forecast;
+  row->settings.ttl_ms = rules_.ttl_ms;
   apply(*options, row->settings);
   return row;
 }
@@ -187,6 +185,8 @@ api::Status JobService::clean_up() {
   if (!known) return known.error();
   if (const api::Status removed = folder_.remove_leftovers(*known); !removed)
     log_line("leftovers cannot be removed yet: " + removed.error().message);
+  if (const api::Status matched = match_blobs(); !matched)
+    log_line("blobs cannot be looked through: " + matched.error().message);
   if (const api::Status forgotten = store_.forget_waiting_times(); !forgotten)
     log_line("waiting times stay: " + forgotten.error().message);
   return api::Done{};

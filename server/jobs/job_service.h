@@ -17,6 +17,7 @@
 
 #include "api/job_request.h"
 #include "api/result.h"
+#include "server/artefacts/blobs.h"
 #include "server/artefacts/data_folder.h"
 #include "server/artefacts/files.h"
 #include "server/jobs/attempt_outcome.h"
@@ -40,6 +41,12 @@ struct Submitted {
   bool replayed = false;  ///< the job was there already, made by an earlier request with the same key
 };
 
+/// Who asks. Other owners' jobs are to them as if they did not exist, unless they see all.
+struct Viewer {
+  std::string_view owner;
+  bool sees_all = false;
+};
+
 /// One page of the list, newest first.
 struct JobPage {
   std::vector<Job> jobs;
@@ -58,7 +65,7 @@ struct WorkerUse {
 
 struct QueueReport {
   QueueSwitch queue;
-  std::map<api::JobState, std::int64_t> jobs;  ///< of every state
+  std::map<api::JobState, std::int64_t> jobs;  ///< of every state, as far as the viewer sees them
   WorkerUse use;
   WorkerBudget budget;
 };
@@ -74,6 +81,8 @@ struct GarbageReport {
   std::int64_t last_ms = 0;  ///< when it last came to its end; 0: not yet
   std::int64_t jobs = 0;     ///< removed because their time was over
   std::int64_t bytes = 0;
+  std::int64_t evicted_jobs = 0;  ///< removed to make room for others
+  std::int64_t evicted_bytes = 0;
 };
 
 /// What a worker is to do next.
@@ -101,6 +110,8 @@ class JobService {
   }
   /// Would a submission of so many bytes be refused whatever it holds? Errors: those of submit.
   api::Status admit(std::string_view owner, std::int64_t bytes);
+  /// Do the quotas leave so many bytes to this owner? With what could be evicted. Errors: over_quota.
+  api::Status within_quota(std::string_view owner, std::int64_t bytes);
   /// Checks the upload as submit does, and answers what the check found: warnings and the forecast. Nothing
   /// of it is left on disk. Errors: those of submit, but for the queue and quotas.
   api::Result<api::JobReport> validate(const Upload& upload);
@@ -109,8 +120,18 @@ class JobService {
   /// Forgets an upload that did not become a job.
   void discard(const Upload& upload) const;
 
+  // Files that are sent before the jobs that name them, each its owner's: owned_blobs.cpp.
+  /// For reading; it counts as used now. Errors: not_found, also where it is another owner's; internal.
+  api::Result<FileHandle> open_blob(std::string_view owner, std::string_view sha256);
+  /// Moves the file `from`, written but not yet durable, to its place, if it is what `sha256` says. It is
+  /// gone from `from` only on success. Errors: invalid_request (other bytes), over_quota, disk_full,
+  /// internal.
+  api::Status keep_blob(std::string_view owner, const std::filesystem::path& from, std::string_view sha256);
+
   // What clients see and wish: job_actions.cpp.
   api::Result<Job> job(std::string_view id) { return store_.job(id); }
+  /// Errors: not_found, word for word as for a job that does not exist, where `viewer` may not see it.
+  api::Status must_see(std::string_view id, const Viewer& viewer);
   api::Result<JobPage> list(const JobFilter& filter, std::int64_t limit);
   api::Result<Job> cancel(std::string_view id);
   /// A running job stops once its worker has saved a checkpoint, from which it goes on later.
@@ -122,6 +143,10 @@ class JobService {
                           std::optional<std::int64_t> version);
   /// A finished job and all its files: files first, row last. Errors: not_found, wrong_state, internal.
   api::Status remove(std::string_view id);
+  /// Somebody asks for what it made: it is evicted later.
+  void use(const Job& job);
+  /// Something was added to its folder or removed from it. Quotas may be a little behind: errors are logged.
+  void record_bytes(const Job& job);
   /// What `remove` would delete. Errors: those of `remove`.
   api::Result<Removal> what_remove_deletes(std::string_view id);
   /// Returns when the job is final, after `patience`, or soon after stop_waiting(). Errors: not_found,
@@ -131,7 +156,8 @@ class JobService {
   void stop_waiting();
 
   // The queue: queue_state.cpp.
-  api::Result<QueueReport> queue();
+  /// Jobs are counted as far as `viewer` sees them.
+  api::Result<QueueReport> queue(const Viewer& viewer = {{}, true});
   /// Jobs that run go on, none is started.
   api::Result<QueueReport> pause_queue(std::string_view reason);
   api::Result<QueueReport> resume_queue();
@@ -181,12 +207,14 @@ class JobService {
  private:
   api::Result<NewJob> read_request(const Upload& upload) const;
   api::Result<NewJob> check(const Upload& upload);
-  api::Status within_quota(std::string_view owner, std::int64_t bytes);
+  api::Status make_room(std::int64_t bytes);
+  void measure_some();
+  api::Status collect_blobs();
+  api::Status match_blobs();
   api::Result<Job> keep(const Upload& upload, const NewJob& row);
   api::Result<Job> submit(const Upload& upload, std::optional<IdempotencyKey> key);
   api::Result<Job> wish(std::string_view id, api::JobEvent event, const StepReason& why);
   void forget_checkpoint(const Job& job) const;
-  void record_bytes(const Job& job);
   void tell_change();
   api::Status settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status settle_orphan(const Orphan& orphan);
@@ -200,7 +228,10 @@ class JobService {
   JobRules rules_;
   Clock clock_;
   mutable std::mutex parsing_;
-  std::mutex removing_;  ///< two removals of one job would meet half of its files
+  Blobs blobs_;
+  std::mutex keeping_;             ///< of blobs, and of their rows
+  std::int64_t measured_seq_ = 0;  ///< by the collection of garbage, which goes round
+  std::mutex removing_;            ///< two removals of one job would meet half of its files
   SubmissionKeys keys_;
 
   mutable std::mutex state_;  ///< of what follows

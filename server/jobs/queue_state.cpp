@@ -21,10 +21,10 @@ constexpr std::chrono::seconds kPositionsAge{10};
 
 }  // namespace
 
-api::Result<QueueReport> JobService::queue() {
+api::Result<QueueReport> JobService::queue(const Viewer& viewer) {
   const auto queue = store_.queue();
   if (!queue) return queue.error();
-  auto counts = store_.counts();
+  auto counts = store_.counts(viewer.sees_all ? std::nullopt : std::optional(viewer.owner));
   if (!counts) return counts.error();
   const std::lock_guard lock(state_);
   return QueueReport{*queue, std::move(*counts), use_, rules_.budget};
@@ -106,6 +106,10 @@ void JobService::stop_waiting() {
 api::Status JobService::collect_garbage() {
   if (api::Status mended = store_.mend_times(); !mended) return mended;
   if (api::Status forgotten = store_.forget_keys(clock_() - rules_.key_ms); !forgotten) return forgotten;
+  {
+    const std::lock_guard lock(keeping_);
+    if (api::Status collected = collect_blobs(); !collected) return collected;
+  }
   const auto expired = store_.expired(kRemovedAtOnceMax);
   if (!expired) return expired.error();
   std::int64_t jobs = 0;
@@ -120,8 +124,14 @@ api::Status JobService::collect_garbage() {
     ++jobs;
     bytes += size.bytes;
   }
+  measure_some();
+  // Results came in since room was made for what was sent.
+  if (const api::Status room = make_room(0); !room && room.error().fault != api::Fault::over_quota)
+    return room;
   const std::lock_guard lock(state_);
-  garbage_ = {clock_(), garbage_.jobs + jobs, garbage_.bytes + bytes};
+  garbage_.last_ms = clock_();
+  garbage_.jobs += jobs;
+  garbage_.bytes += bytes;
   return api::Done{};
 }
 

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "api/result.h"
@@ -36,6 +37,12 @@ struct JobProgress {
   double stage_fraction = 0;
   double fraction = 0;
   std::optional<double> seconds_left;
+  std::string owner = {};
+};
+
+struct EventPage {
+  std::vector<JobEvent> events;
+  std::int64_t through = 0;  ///< all events up to this id have been looked at
 };
 
 /// Safe for use by several threads. The events of a removed job go with it.
@@ -51,10 +58,14 @@ class EventReader {
   /// Oldest first, of all jobs or of one.
   api::Result<std::vector<JobEvent>> after(std::int64_t id, std::optional<std::int64_t> job_seq,
                                            std::int64_t limit);
+  /// Oldest first, of the jobs of one owner. `through` spares the next call what is not theirs.
+  api::Result<EventPage> of_owner_after(std::string_view owner, std::int64_t id, std::int64_t limit);
   /// Of all jobs that are being worked at.
   api::Result<std::vector<JobProgress>> progress();
 
  private:
+  api::Result<std::int64_t> newest_locked();
+
   explicit EventReader(Database database) : database_(std::move(database)) {}
 
   std::mutex mutex_;

@@ -31,11 +31,14 @@ api::Result<QueueSwitch> JobStore::set_queue(bool paused, std::string_view reaso
   return queue_locked();
 }
 
-api::Result<std::map<JobState, std::int64_t>> JobStore::counts() {
+api::Result<std::map<JobState, std::int64_t>> JobStore::counts(std::optional<std::string_view> owner) {
   const std::lock_guard lock(mutex_);
   std::map<JobState, std::int64_t> counts;
   for (const JobState state : api::kJobStates) counts[state] = 0;
-  Statement select = database_.prepare("SELECT state, count(*) FROM job GROUP BY state");
+  Statement select =
+      database_.prepare(owner ? "SELECT state, count(*) FROM job WHERE owner = ? GROUP BY state"
+                              : "SELECT state, count(*) FROM job GROUP BY state");
+  if (owner) select.bind(*owner);
   while (select.next())
     if (const auto state = api::job_state_named(select.text(0))) counts[*state] = select.integer(1);
   if (const api::Status ok = select.status(); !ok) return ok.error();

@@ -1,5 +1,6 @@
 // The part of JobStore that keeps account of what jobs take on disk, and lets them go.
 #include "server/store/job_store.h"
+#include "server/store/read_rows.h"
 
 namespace server {
 namespace {
@@ -56,18 +57,61 @@ api::Result<std::vector<std::string>> JobStore::expired(std::int64_t limit) {
 
 api::Status JobStore::record_bytes(std::int64_t job_seq, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
-  Statement update = database_.prepare("UPDATE job SET bytes = ?, version = version + 1 WHERE seq = ?");
-  return update.bind(bytes).bind(job_seq).run();
+  Statement update =
+      database_.prepare("UPDATE job SET bytes = ?, version = version + 1 WHERE seq = ? AND bytes <> ?");
+  return update.bind(bytes).bind(job_seq).bind(bytes).run();
+}
+
+api::Status JobStore::record_use(std::int64_t job_seq) {
+  const std::lock_guard lock(mutex_);
+  Statement update = database_.prepare("UPDATE job SET used_ms = ? WHERE seq = ?");
+  return update.bind(clock_()).bind(job_seq).run();
+}
+
+api::Result<std::vector<JobStore::Unused>> JobStore::least_used(std::int64_t limit) {
+  const std::lock_guard lock(mutex_);
+  Statement select = database_.prepare(
+      "SELECT id, bytes FROM job INDEXED BY job_unused WHERE finished_ms IS NOT NULL AND pinned = 0 "
+      "AND removing = 0 ORDER BY last_ms LIMIT ?");
+  select.bind(limit);
+  std::vector<Unused> jobs;
+  while (select.next()) jobs.push_back({select.text(0), select.integer(1)});
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return jobs;
+}
+
+api::Result<std::int64_t> JobStore::unused_bytes() {
+  const std::lock_guard lock(mutex_);
+  Statement select = database_.prepare(
+      "SELECT coalesce(sum(bytes), 0) FROM job INDEXED BY job_unused WHERE finished_ms IS NOT NULL "
+      "AND pinned = 0 AND removing = 0");
+  const std::int64_t bytes = select.next() ? select.integer(0) : 0;
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return bytes;
+}
+
+api::Result<std::vector<Job>> JobStore::finished_after(std::int64_t seq, std::int64_t limit) {
+  const std::lock_guard lock(mutex_);
+  Statement select =
+      database_.prepare(select_jobs(Reports::left_out) +
+                        "WHERE seq > ? AND finished_ms IS NOT NULL AND removing = 0 ORDER BY seq LIMIT ?");
+  select.bind(seq).bind(limit);
+  std::vector<Job> jobs;
+  while (select.next()) jobs.push_back(read_job(select));
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return jobs;
 }
 
 api::Result<std::int64_t> JobStore::total_bytes(std::optional<std::string_view> owner) {
+  const auto blobs = blob_bytes(owner);
+  if (!blobs) return blobs.error();
   const std::lock_guard lock(mutex_);
   Statement select = database_.prepare("SELECT coalesce(sum(bytes), 0) FROM job INDEXED BY job_bytes" +
                                        std::string(owner ? " WHERE owner = ?" : ""));
   if (owner) select.bind(*owner);
   const std::int64_t bytes = select.next() ? select.integer(0) : 0;
   if (const api::Status ok = select.status(); !ok) return ok.error();
-  return bytes;
+  return bytes + *blobs;
 }
 
 }  // namespace server

@@ -59,7 +59,7 @@ std::string select_jobs(Reports reports) {
          "stage_fraction, fraction, "
          "seconds_left, attempt, attempts_without_progress, key_frame_count, solved_frame_count, report IS "
          "NOT NULL, " +
-         report + ", version, created_ms, updated_ms, started_ms, finished_ms FROM job ";
+         report + ", version, created_ms, updated_ms, started_ms, finished_ms, used_ms FROM job ";
 }
 
 Job read_job(const Statement& row) {
@@ -102,6 +102,7 @@ Job read_job(const Statement& row) {
   job.updated_ms = row.integer(column++);
   job.started_ms = row.optional_integer(column++);
   job.finished_ms = row.optional_integer(column++);
+  job.used_ms = row.integer(column++);
   return job;
 }
 

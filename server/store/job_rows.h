@@ -81,6 +81,7 @@ struct Job {
   std::int64_t updated_ms = 0;
   std::optional<std::int64_t> started_ms;
   std::optional<std::int64_t> finished_ms;
+  std::int64_t used_ms = 0;                ///< when results were asked for last; 0: never
   std::optional<std::int64_t> expires_ms;  ///< removed after it, unless pinned; none: not to be removed
 };
 
@@ -93,6 +94,7 @@ struct LabelFilter {
 struct JobFilter {
   std::optional<api::JobState> state = std::nullopt;
   std::optional<std::string> owner = std::nullopt;
+  std::optional<std::string> visible_to = std::nullopt;  ///< owner whose jobs alone may be told of; none: all
   std::vector<LabelFilter> labels = {};
   std::optional<std::int64_t> before_seq = std::nullopt;  ///< older than this one
 };

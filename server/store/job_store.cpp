@@ -12,11 +12,11 @@ namespace {
 using api::Fault;
 using api::JobState;
 
+}  // namespace
+
 api::Error no_such_job(std::string_view id) {
   return {Fault::not_found, "there is no job '" + std::string(id) + "'"};
 }
-
-}  // namespace
 
 std::int64_t system_clock_ms() {
   using namespace std::chrono;
@@ -144,18 +144,30 @@ api::Result<Job> JobStore::job(std::string_view id) {
   return job_locked(id);
 }
 
+api::Result<std::string> JobStore::owner_of(std::string_view id) {
+  const std::lock_guard lock(mutex_);
+  Statement select = database_.prepare("SELECT owner FROM job WHERE id = ? AND removing = 0");
+  select.bind(id);
+  const bool found = select.next();
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  if (!found) return no_such_job(id);
+  return select.text(0);
+}
+
 api::Result<std::vector<Job>> JobStore::list(const JobFilter& filter, std::int64_t limit) {
   const std::lock_guard lock(mutex_);
   std::string where = "WHERE removing = 0 AND seq < ?";
   if (filter.state) where += " AND state = ?";
-  if (filter.owner) where += " AND owner = ?";
+  for (const auto& owner : {filter.owner, filter.visible_to})
+    if (owner) where += " AND owner = ?";
   for (const LabelFilter& label : filter.labels)
     where += std::string(" AND EXISTS (SELECT 1 FROM job_label WHERE job_seq = seq AND job_label.name = ?") +
              (label.value ? " AND value = ?)" : ")");
   Statement select = database_.prepare(select_jobs(Reports::left_out) + where + " ORDER BY seq DESC LIMIT ?");
   select.bind(filter.before_seq.value_or(INT64_MAX));
   if (filter.state) select.bind(api::name_of(*filter.state));
-  if (filter.owner) select.bind(*filter.owner);
+  for (const auto& owner : {filter.owner, filter.visible_to})
+    if (owner) select.bind(*owner);
   for (const LabelFilter& label : filter.labels) {
     select.bind(label.name);
     if (label.value) select.bind(*label.value);

@@ -7,6 +7,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,6 +23,9 @@ namespace server {
 using Clock = std::function<std::int64_t()>;  ///< milliseconds since 1970, UTC
 
 std::int64_t system_clock_ms();
+
+/// The error, not_found, for a job that does not exist.
+api::Error no_such_job(std::string_view id);
 
 /// Where a job goes and why.
 struct StepReason {
@@ -39,6 +44,7 @@ class JobStore {
   /// With its key, if it has one; wrong_state where that key has a job already.
   api::Result<Job> insert(const NewJob& job);
   api::Result<Job> job(std::string_view id);
+  api::Result<std::string> owner_of(std::string_view id);
   /// Newest first.
   api::Result<std::vector<Job>> list(const JobFilter& filter, std::int64_t limit);
   api::Result<std::int64_t> count(api::JobState state);
@@ -62,8 +68,33 @@ class JobStore {
   /// Finished jobs whose time is over, at most `limit`.
   api::Result<std::vector<std::string>> expired(std::int64_t limit);
   api::Status record_bytes(std::int64_t job_seq, std::int64_t bytes);
-  /// Of all jobs together, or of those of `owner`.
+  /// Somebody asked for its results.
+  api::Status record_use(std::int64_t job_seq);
+  struct Unused {
+    std::string id;
+    std::int64_t bytes = 0;
+  };
+  /// Finished jobs that are not pinned, those first that have not been used for longest, at most `limit`.
+  api::Result<std::vector<Unused>> least_used(std::int64_t limit);
+  /// What all of those take together.
+  api::Result<std::int64_t> unused_bytes();
+  /// At most `limit` finished jobs of a higher seq, in its order.
+  api::Result<std::vector<Job>> finished_after(std::int64_t seq, std::int64_t limit);
+  /// Of all jobs and blobs together, or of those of `owner`.
   api::Result<std::int64_t> total_bytes(std::optional<std::string_view> owner = std::nullopt);
+
+  // Blobs, each owner's: blob_rows.cpp.
+  api::Status keep_blob(std::string_view owner, std::string_view sha256, std::int64_t bytes);
+  /// Is it this owner's? Then it counts as used now.
+  api::Result<bool> use_blob(std::string_view owner, std::string_view sha256);
+  /// Those that have not been used since. -> how many
+  api::Result<std::int64_t> forget_blobs(std::int64_t before_ms);
+  /// Whosever it is.
+  api::Status forget_blob(std::string_view sha256);
+  /// The hashes that somebody has.
+  api::Result<std::set<std::string, std::less<>>> blobs();
+  /// Of all owners, or of one. What two have is counted twice.
+  api::Result<std::int64_t> blob_bytes(std::optional<std::string_view> owner = std::nullopt);
 
   // Keys of submissions: job_keys.cpp.
   struct KeyedJob {
@@ -78,7 +109,9 @@ class JobStore {
   // The queue: job_queue.cpp.
   api::Result<QueueSwitch> queue();
   api::Result<QueueSwitch> set_queue(bool paused, std::string_view reason);
-  api::Result<std::map<api::JobState, std::int64_t>> counts();
+  /// By state, of all jobs or of those of `owner`.
+  api::Result<std::map<api::JobState, std::int64_t>> counts(
+      std::optional<std::string_view> owner = std::nullopt);
   api::Result<std::int64_t> count_queued_of(std::string_view owner);
   /// All queued jobs, for each owner in the order in which they are taken.
   api::Result<std::vector<Waiting>> waiting();

@@ -73,6 +73,18 @@ api::Result<std::vector<KeptFile>> kept_files(Database& database) {
   return files;
 }
 
+api::Result<std::vector<std::string>> kept_blobs(Database& database) {
+  std::vector<std::string> hashes;
+  Statement known = database.prepare("SELECT 1 FROM sqlite_schema WHERE name = 'blob'");
+  const bool has_blobs = known.next();
+  if (const api::Status ok = known.status(); !ok) return ok.error();
+  if (!has_blobs) return hashes;
+  Statement select = database.prepare("SELECT DISTINCT sha256 FROM blob ORDER BY sha256");
+  while (select.next()) hashes.push_back(select.text(0));
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return hashes;
+}
+
 api::Result<std::vector<KeptJob>> kept_jobs(Database& database) {
   Statement select =
       database.prepare("SELECT id, state = 'succeeded' FROM job WHERE removing = 0 ORDER BY seq");

@@ -27,6 +27,9 @@ struct KeptFile {
 };
 api::Result<std::vector<KeptFile>> kept_files(Database& database);
 
+/// The blobs that somebody has, by their hashes; none in a database of before they had owners.
+api::Result<std::vector<std::string>> kept_blobs(Database& database);
+
 struct KeptJob {
   std::string id;
   bool succeeded = false;

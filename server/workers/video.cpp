@@ -120,6 +120,7 @@ api::Status ViewService::make_video(const Job& job, const std::string& camera, c
   };
   api::Status status = finish();
   if (!status) std::filesystem::remove(temporary, failed);
+  jobs_.record_bytes(job);
   return status;
 }
 
@@ -146,6 +147,7 @@ api::Result<Video> ViewService::ask_video(const Job& job, const std::string& cam
     (void)maker_.forget(key);  // told once; whoever asks again has it tried again
     return look.error;
   }
+  if (const auto room = jobs_.within_quota(job.owner, 1); !room) return room.error();
   const auto asked = maker_.ask(key, [this, job, camera, extension](const std::atomic<bool>& stopping) {
     return make_video(job, camera, extension, stopping);
   });

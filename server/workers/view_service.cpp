@@ -144,6 +144,7 @@ api::Status ViewService::make_view(const std::string& job_id, const std::string&
   }
   remove_quietly(views / (name + ".report.json"));
   // What the server stops is still promised; what has failed is not.
+  if (status) jobs_.record_bytes(*job);
   if (status || status.error().fault == api::Fault::stopped) return status;
   remove_quietly(views / (".tmp." + name));
   remove_quietly(views / name);
@@ -176,6 +177,8 @@ api::Result<View> ViewService::ask(const Job& job, const api::ViewRequest& reque
   {
     const std::lock_guard lock(mutex_);
     if (!std::filesystem::exists(views_of(job) / name)) {
+      // How large it will be is not known; who is over the quota makes no more.
+      if (auto room = jobs_.within_quota(job.owner, 1); !room) return room.error();
       if (auto promised = promise(job, name, request.canonical_json); !promised) return promised.error();
       if (auto asked = maker_.ask(key_of(job.id, name), work_of(job.id, name)); !asked) {
         remove_quietly(views_of(job) / (name + ".json"));
@@ -230,7 +233,9 @@ api::Status ViewService::remove(const Job& job, std::string_view name) {
   // The request last: after a crash in between the view is made again, and can be removed again.
   const std::filesystem::path folder = views_of(job) / name;
   if (auto removed = remove_tree(folder); !removed) return removed;
-  return remove_tree(views_of(job) / (std::string(name) + ".json"));
+  api::Status removed = remove_tree(views_of(job) / (std::string(name) + ".json"));
+  jobs_.record_bytes(job);
+  return removed;
 }
 
 }  // namespace server

@@ -45,8 +45,8 @@ class Auth(ServiceTestCase):
     def test_scopes_hold_for_jobs(self):
         service = self.service()
         job = write_job(self.folder / "job", frames=2)
-        reader = self.token(service, "reader", "--scopes", "jobs:read")
-        writer = self.token(service, "writer")
+        writer = self.token(service, "farm")
+        reader = self.token(service, "farm", "--scopes", "jobs:read", "--again")
         fields = [word for name in ("scene=@scene.obj", "animation=@animation.json", "materials=@" + next(job.glob("*.mtl")).name)
                   for word in ("-F", name.replace("@", f"@{job}/"))]
         refused = self.with_token(service, reader, "/v1/jobs", *fields)

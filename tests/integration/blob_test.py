@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Files sent once and named by their hashes: jobs from them are those of the files, and lies about hashes buy nothing."""
+import contextlib
 import hashlib
 import json
-import os
+import sqlite3
+import subprocess
 import unittest
 
 import archives
 from curl import curl
-from service import ServiceTestCase
+from service import SERVER, ServiceTestCase
 from small_jobs import write_job
 
 
@@ -95,10 +97,36 @@ class Blob(ServiceTestCase):
         _, old = self.put(b"old")
         _, young = self.put(b"young")
         path = self.running.data / "blobs" / old[:2] / old
-        os.utime(path, (1, 1))
+        self.assertEqual(self.running.stop(), 0)
+        with contextlib.closing(sqlite3.connect(self.running.data / "keylume.db")) as database:
+            database.execute("UPDATE blob SET used_ms = 1 WHERE sha256 = ?", [old])
+            database.commit()
+        self.running.start()
         self.put(b"another")
         self.assertFalse(path.exists())
+        self.assertEqual(self.running.get(f"/v1/blobs/sha256/{old}").status, 404)
         self.assertEqual(self.running.get(f"/v1/blobs/sha256/{young}").status, 200)
+
+    def test_limits_are_told_and_kept(self):
+        self.assertEqual(self.running.stop(), 0)
+        words = self.running.command() + ["--max-blob-bytes", "10", "--blob-hours", "2"]
+        self.running.command = lambda: words
+        self.running.start()
+        limits = self.running.get("/v1/limits").json()
+        self.assertEqual((limits["all_blobs_bytes_max"], limits["blob_unused_seconds_max"]), (10, 7200))
+        self.assertEqual(self.put(b"12345678")[0].status, 201)
+        full = self.put(b"123")[0]
+        self.assertEqual((full.status, full.json()["type"]), (507, "urn:keylume:problem:over-quota"))
+        self.expect_nothing_in_tmp()
+
+    def test_check_finds_a_blob_that_is_not_what_its_name_says(self):
+        _, sha256 = self.put(b"v 0 0 0")
+        check = [SERVER, "check", "--data", str(self.running.data)]
+        self.assertEqual(subprocess.run(check, capture_output=True, timeout=60).returncode, 0)
+        (self.running.data / "blobs" / sha256[:2] / sha256).write_bytes(b"v 0 0 1")
+        found = subprocess.run(check, capture_output=True, text=True, timeout=60)
+        self.assertEqual(found.returncode, 1)
+        self.assertIn(sha256, found.stdout)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy
 
-from service import ServiceTestCase, free_port
+from service import SERVER, ServiceTestCase, free_port
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 
@@ -62,6 +62,20 @@ class Readme(ServiceTestCase):
         shutil.copytree(ROOT / "api/examples/cornell_box", self.folder / "api/examples/cornell_box")
         run = self.run_in(self.folder, free_port(), 30)
         self.assertEqual(run.returncode, 1, run.stderr)
+
+    def test_the_table_of_options_is_that_of_the_program(self):
+        shown = subprocess.run([SERVER, "--help"], capture_output=True, text=True, timeout=20, check=True).stdout
+        shown = shown.partition("other commands")[0]
+        begins = re.split(r"^  (?=--)", shown, flags=re.MULTILINE)[1:]
+        in_help = {re.match(r"--\S+(?: [A-Z][A-Z:]*| text\|json)?", begin)[0]: " ".join(begin.split()) for begin in begins}
+        del in_help["--help,"]
+        section = (ROOT / "README.md").read_text().partition("## Running the service")[2].partition("\n## ")[0]
+        rows = re.findall(r"^\| `(--[^`]+)` \| (.*?) ?\| (.+?) \| (.+) \|$", section, re.MULTILINE)
+        in_readme = {name.replace("\\|", "|"): default for name, _, default, _ in rows}
+        self.assertEqual(list(in_readme), list(in_help), "the same options in the same order")
+        for name, text in in_help.items():
+            told = re.search(r"default:? (\d+)\b(?!\.\d)", text)
+            self.assertEqual(in_readme[name] if in_readme[name].isdigit() else None, told and told[1], (name, text))
 
 
 if __name__ == "__main__":

@@ -22,7 +22,8 @@ class Upkeep(ServiceTestCase):
         service = self.service()
         job_id = self.finished(service)
         self.assertEqual(command("token", "create", "a", "--data", service.data, "--scopes", "jobs:read").returncode, 0)
-        token = ["-H", "Authorization: Bearer " + command("token", "create", "b", "--data", service.data).stdout.strip()]
+        token = ["-H", "Authorization: Bearer " + command("token", "create", "b", "--scopes", "jobs:read,queue:admin",
+                                                            "--data", service.data).stdout.strip()]
         picture = service.get(f"/v1/jobs/{job_id}/frames/1/image.png", *token)
         self.assertEqual(picture.status, 200)
         backup = self.folder / "backup"

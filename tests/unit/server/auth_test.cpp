@@ -47,7 +47,7 @@ class AuthTest : public ServiceTest {
     add_limits_route(router_, {});
     add_service_routes(router_);
     add_dashboard_routes(router_, {});
-    rules_.this_machine_only = false;
+    rules_.hosts.this_machine_only = false;
   }
 
   std::string make(std::string_view name, std::string_view scopes = "jobs:read,jobs:write",
@@ -288,6 +288,34 @@ TEST_F(AuthTest, WhoAsksTooOftenHearsWhenToComeBack) {
   EXPECT_EQ(refusal_with(make("b"), "GET", "/v1/jobs"), 0) << "another token from the same address";
   for (int i = 0; i < 2; ++i) EXPECT_EQ(refusal_with("kl_guess", "GET", "/v1/jobs"), 401);
   EXPECT_EQ(refusal_with("kl_guess", "GET", "/v1/jobs"), 429) << "guessing is slow";
+}
+
+TEST_F(AuthTest, TokensOfOneNameShareItAndGoTogetherOrOneByOne) {
+  const std::string first = make("anna");
+  EXPECT_EQ(tokens_->create("anna", scopes_of("jobs:read"), kNow, std::nullopt).error().fault,
+            api::Fault::wrong_state);
+  const auto second = tokens_->create("anna", scopes_of("jobs:read"), kNow, std::nullopt, true);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(tokens_->find(*second, kNow)->name, tokens_->find(first, kNow)->name);
+  ASSERT_TRUE(tokens_->revoke(*prefix_of(first)));
+  EXPECT_FALSE(tokens_->find(first, kNow));
+  EXPECT_TRUE(tokens_->find(*second, kNow));
+  ASSERT_TRUE(tokens_->create("anna", scopes_of("jobs:read"), kNow, std::nullopt, true));
+  ASSERT_TRUE(tokens_->revoke("anna"));
+  EXPECT_TRUE(tokens_->list()->empty());
+}
+
+TEST_F(AuthTest, WhoMaySteerTheQueueSeesAllAndSoDoesEverybodyBeforeTheFirstToken) {
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs")), 0);
+  EXPECT_TRUE(seen_.sees_all);
+  const std::string anna = make("anna"), root = make("root", "jobs:read,queue:admin");
+  EXPECT_EQ(refusal_with(anna, "GET", "/v1/jobs"), 0);
+  EXPECT_FALSE(seen_.sees_all);
+  EXPECT_EQ(seen_.owner, "anna");
+  EXPECT_EQ(refusal_with(root, "GET", "/v1/jobs"), 0);
+  EXPECT_TRUE(seen_.sees_all);
+  EXPECT_EQ(refusal(request_to("GET", "/healthz")), 0);
+  EXPECT_FALSE(seen_.sees_all) << "without a token";
 }
 
 }  // namespace

@@ -173,9 +173,11 @@ TEST_F(SocketTest, ARequestForAnotherHostIsRefusedOnLoopback) {
     EXPECT_EQ(status_of(std::string("GET /v1/jobs HTTP/1.1\r\nHost: ") + host + "\r\n\r\n"), 421) << host;
   EXPECT_EQ(status_of("GET /healthz HTTP/1.1\r\n\r\n"), 200) << "no browser leaves it out";
   stop();
-  gate_rules_.this_machine_only = false;
+  gate_rules_.hosts = {false, {"render.example"}};
   start();
-  EXPECT_EQ(status_of("GET /healthz HTTP/1.1\r\nHost: render.example\r\n\r\n"), 200);
+  for (const auto& [host, status] :
+       {std::pair{"render.example", 200}, {"192.168.1.1:80", 200}, {"rebound.example", 421}})
+    EXPECT_EQ(status_of(std::string("GET /healthz HTTP/1.1\r\nHost: ") + host + "\r\n\r\n"), status) << host;
 }
 
 TEST_F(SocketTest, APageOfAnotherOriginMayChangeNothing) {

@@ -1,0 +1,82 @@
+// The part of JobService that knows how much may be kept, and makes room.
+#include "server/jobs/job_service.h"
+#include "server/log.h"
+
+namespace server {
+namespace {
+
+using api::Fault;
+
+constexpr std::int64_t kUsedEveryMs = 60'000;  // a job's last use is written no more often
+constexpr std::int64_t kEvictedAtOnce = 16;
+constexpr std::int64_t kMeasuredAtOnce = 20;
+
+api::Error over_quota(const std::string& what, std::int64_t kept, std::int64_t most) {
+  return {Fault::over_quota, what + " take " + std::to_string(kept) + " of " + std::to_string(most) +
+                                 " bytes; there is room again when some are removed"};
+}
+
+constexpr const char* kAll = "all jobs and blobs together";
+
+}  // namespace
+
+api::Status JobService::within_quota(std::string_view owner, std::int64_t bytes) {
+  if (rules_.bytes_max != INT64_MAX) {
+    const auto kept = store_.total_bytes();
+    if (!kept) return kept.error();
+    const bool over = *kept + bytes > rules_.bytes_max;
+    const auto spare = over && rules_.evict ? store_.unused_bytes() : api::Result<std::int64_t>(0);
+    if (!spare) return spare.error();
+    if (*kept - *spare + bytes > rules_.bytes_max) return over_quota(kAll, *kept, rules_.bytes_max);
+  }
+  if (rules_.bytes_of_one_owner_max == INT64_MAX) return api::Done{};
+  const auto kept = store_.total_bytes(owner);
+  if (!kept) return kept.error();
+  if (*kept + bytes <= rules_.bytes_of_one_owner_max) return api::Done{};
+  return over_quota("your jobs and blobs", *kept, rules_.bytes_of_one_owner_max);
+}
+
+api::Status JobService::make_room(std::int64_t bytes) {
+  if (!rules_.evict || rules_.bytes_max == INT64_MAX) return api::Done{};
+  while (true) {
+    auto kept = store_.total_bytes();
+    if (!kept) return kept.error();
+    if (*kept + bytes <= rules_.bytes_max) return api::Done{};
+    const auto unused = store_.least_used(kEvictedAtOnce);
+    if (!unused) return unused.error();
+    bool any = false;
+    for (const JobStore::Unused& job : *unused) {
+      if (*kept + bytes <= rules_.bytes_max) return api::Done{};
+      // Gone or started anew meanwhile: no harm. A file that cannot be removed: the job is marked, and the
+      // next start tries again.
+      if (const api::Status removed = remove(job.id); !removed) {
+        log_line(job.id + " cannot be evicted: " + removed.error().message);
+        if (removed.error().fault == Fault::disk_full) return removed;
+        continue;
+      }
+      any = true;
+      log_line(job.id + ": evicted, to make room; nobody had used it for longest");
+      *kept -= job.bytes;
+      const std::lock_guard lock(state_);
+      ++garbage_.evicted_jobs;
+      garbage_.evicted_bytes += job.bytes;
+    }
+    if (!any) return over_quota(kAll, *kept, rules_.bytes_max);
+  }
+}
+
+void JobService::use(const Job& job) {
+  if (!api::is_final(job.state) || clock_() - job.used_ms < kUsedEveryMs) return;
+  (void)store_.record_use(job.seq);  // where that fails it is evicted earlier
+}
+
+// A crash between a view and its bytes must not count for ever, nor what earlier versions did not count: all
+// are measured again, a few at a time.
+void JobService::measure_some() {
+  const auto jobs = store_.finished_after(measured_seq_, kMeasuredAtOnce);
+  if (!jobs) return;
+  for (const Job& job : *jobs) record_bytes(job);
+  measured_seq_ = jobs->empty() ? 0 : jobs->back().seq;
+}
+
+}  // namespace server

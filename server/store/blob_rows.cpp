@@ -1,0 +1,69 @@
+// The part of JobStore that knows whose blobs are whose.
+#include "server/store/job_store.h"
+
+namespace server {
+namespace {
+
+// A blob's last use is written no more often: reading one should not cost a write.
+constexpr std::int64_t kUsedEveryMs = 3'600'000;
+
+}  // namespace
+
+api::Status JobStore::keep_blob(std::string_view owner, std::string_view sha256, std::int64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  Statement row = database_.prepare(
+      "INSERT INTO blob(owner, sha256, bytes, used_ms) VALUES (?, ?, ?, ?) "
+      "ON CONFLICT(owner, sha256) DO UPDATE SET used_ms = excluded.used_ms");
+  return row.bind(owner).bind(sha256).bind(bytes).bind(clock_()).run();
+}
+
+api::Result<bool> JobStore::use_blob(std::string_view owner, std::string_view sha256) {
+  const std::lock_guard lock(mutex_);
+  const std::int64_t now = clock_();
+  Statement select = database_.prepare("SELECT used_ms FROM blob WHERE owner = ? AND sha256 = ?");
+  const bool found = select.bind(owner).bind(sha256).next();
+  const std::int64_t used_ms = found ? select.integer(0) : 0;
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  if (!found || now - used_ms < kUsedEveryMs) return found;
+  Statement update = database_.prepare("UPDATE blob SET used_ms = ? WHERE owner = ? AND sha256 = ?");
+  (void)update.bind(now).bind(owner).bind(sha256).run();  // where that fails it goes a little earlier
+  return true;
+}
+
+api::Result<std::int64_t> JobStore::forget_blobs(std::int64_t before_ms) {
+  const std::lock_guard lock(mutex_);
+  const std::int64_t now = clock_();
+  // The wall clock may have jumped: nothing was used later than now.
+  Statement mend = database_.prepare("UPDATE blob SET used_ms = ? WHERE used_ms > ?");
+  if (const api::Status done = mend.bind(now).bind(now).run(); !done) return done.error();
+  Statement erase = database_.prepare("DELETE FROM blob WHERE used_ms <= ?");
+  if (const api::Status done = erase.bind(before_ms).run(); !done) return done.error();
+  return static_cast<std::int64_t>(database_.changes());
+}
+
+api::Status JobStore::forget_blob(std::string_view sha256) {
+  const std::lock_guard lock(mutex_);
+  Statement erase = database_.prepare("DELETE FROM blob WHERE sha256 = ?");
+  return erase.bind(sha256).run();
+}
+
+api::Result<std::set<std::string, std::less<>>> JobStore::blobs() {
+  const std::lock_guard lock(mutex_);
+  Statement select = database_.prepare("SELECT DISTINCT sha256 FROM blob");
+  std::set<std::string, std::less<>> hashes;
+  while (select.next()) hashes.insert(select.text(0));
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return hashes;
+}
+
+api::Result<std::int64_t> JobStore::blob_bytes(std::optional<std::string_view> owner) {
+  const std::lock_guard lock(mutex_);
+  Statement select = database_.prepare(std::string("SELECT coalesce(sum(bytes), 0) FROM blob") +
+                                       (owner ? " WHERE owner = ?" : ""));
+  if (owner) select.bind(*owner);
+  const std::int64_t bytes = select.next() ? select.integer(0) : 0;
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return bytes;
+}
+
+}  // namespace server
