@@ -45,12 +45,13 @@ def multipart(folder):
 
 
 class Service:
-    def __init__(self, server, worker, data):
+    def __init__(self, server, worker, data, *options):
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = probe.getsockname()[1]
         self.process = subprocess.Popen([server, "--data", data, "--worker", worker, "--listen",
-                                         f"127.0.0.1:{self.port}"], stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                                         f"127.0.0.1:{self.port}", *options],
+                                        stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
         while not self.answers():
             time.sleep(0.05)
