@@ -1,5 +1,5 @@
-// claim_times DATA COUNT: claims jobs of the queue that a server left there, and says how long each took. Beside
-// every claim one commit that changes a single number, so that the disk of that moment is known.
+// claim_times DATA COUNT: claims jobs of the queue that a server left there, and says how long each took.
+// Beside every claim one commit that changes a single number, so that the disk of that moment is known.
 #include <chrono>
 #include <cstdlib>
 #include <iostream>
