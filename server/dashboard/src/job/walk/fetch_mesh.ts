@@ -15,7 +15,7 @@ export interface Fetched {
 export async function fetchMesh({ id, lifetime }: JobContext): Promise<Fetched> {
   const stop = new AbortController();
   lifetime.add(() => stop.abort());
-  const url = urlOf("/v1/jobs/{id}/artefacts/{file}", { path: { id, file: "shading_mesh.npz" } });
+  const url = urlOf("/v1/jobs/{id}/shading_mesh.npz", { path: { id } });
   const response = await fetchBytes(url, { signal: stop.signal });
   const mesh = readShadingMesh(await response.arrayBuffer());
   const sources = new Map<string, FrameSource>();
