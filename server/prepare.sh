@@ -15,10 +15,17 @@ packages_of() { # GROUP...
   done <"$root/server/packages.txt"
 }
 
+# What is installed, and what that stands in for: node's own packages hold npm, and Debian's cannot be beside them.
+installed_packages() {
+  dpkg-query -W -f '${db:Status-Status} ${Package}, ${Provides}\n' | sed -n 's/^installed //p' | tr ',' '\n' |
+    sed 's/^ *//; s/ .*//'
+}
+
 missing_packages() { # GROUP...
-  local package
+  local package installed
+  installed=$(installed_packages)
   for package in $(packages_of "$@"); do
-    dpkg-query -W -f '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || echo "$package"
+    grep -qxF -- "$package" <<<"$installed" || echo "$package"
   done
 }
 
