@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "server/store/statement_cache.h"
+
 namespace server {
 namespace {
 
@@ -56,6 +58,7 @@ void harden(sqlite3* handle) {
 }  // namespace
 
 void Database::Close::operator()(sqlite3* handle) const {
+  forget_statements(handle);
   sqlite3_close(handle);
 }
 

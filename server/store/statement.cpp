@@ -4,14 +4,18 @@
 
 #include <utility>
 
+#include "server/store/statement_cache.h"
+
 namespace server {
 
 Statement::Statement(sqlite3* database, std::string_view sql) : database_(database) {
-  note(sqlite3_prepare_v2(database_, sql.data(), static_cast<int>(sql.size()), &statement_, nullptr));
+  int code = SQLITE_OK;
+  statement_ = take_statement(database_, sql, code);
+  note(code);
 }
 
 Statement::~Statement() {
-  sqlite3_finalize(statement_);
+  give_back_statement(database_, statement_);
 }
 
 Statement::Statement(Statement&& other) noexcept
