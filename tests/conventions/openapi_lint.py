@@ -70,6 +70,17 @@ def objects_have_their_shape(document, _):
         yield from (f"{place}: a {kind} needs {name!r}" for name in needed if not value.get(name))
 
 
+def nothing_is_cut_at_a_comma(document, _):
+    """In {flow: style} a comma ends a text without quotes, and what follows is a name without a value."""
+    def walk(node, place):
+        for name, value in node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ():
+            if value is None and isinstance(node, dict) and name != "default":
+                yield f"{place}: {name!r} has no value; quotes are missing before it"
+            elif name not in ("example", "examples"):
+                yield from walk(value, f"{place}/{name}")
+    yield from walk(document, "")
+
+
 def operations_say_what_they_do(document, _):
     names, tags = [], {tag["name"] for tag in document["tags"] if tag.get("description")}
     for _, path, method, operation in operations(document):
@@ -222,7 +233,7 @@ def codes_of_errors_are_documented(document, _, root):
     yield from (f"problem type {name} is in the code or in problem.schema.json alone" for name in sorted(types ^ in_schema))
 
 
-RULES = (objects_have_their_shape, operations_say_what_they_do, paths_have_their_parameters, answers_are_described,
+RULES = (objects_have_their_shape, nothing_is_cut_at_a_comma, operations_say_what_they_do, paths_have_their_parameters, answers_are_described,
          problems_have_examples, bodies_have_examples, examples_are_valid, components_are_used)
 RULES_OF_THE_SERVER = (statuses_of_the_server_are_documented, codes_of_errors_are_documented)
 
