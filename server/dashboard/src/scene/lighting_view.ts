@@ -31,6 +31,8 @@ export interface Display {
   what: "light" | "false-colour" | "clay";
   /** In clay: objects that ever move are tinted. */
   tintMoving: boolean;
+  /** The job's cameras and the lights that have no surface are drawn. */
+  marks: boolean;
   /** Stops on top of the job's own exposure. */
   exposureStops: number;
   toneMap: "clip" | "filmic";
@@ -60,6 +62,8 @@ export interface LightingView {
   followCamera(name: string | null): void;
   /** The camera that is followed. */
   readonly following: Signal<string | null>;
+  /** From outside, so that everything is seen. */
+  showAll(): void;
   setHighlighted(patches: readonly number[]): void;
   /** Why light that is wanted could not be fetched; null while all is well. */
   readonly trouble: Signal<string | null>;

@@ -132,8 +132,9 @@ vec3 falseColour(vec3 b) {
 }
 vec3 clay() {
   vec3 normal = normalize(cross(dFdx(seenAt), dFdy(seenAt)));
-  vec3 colour = texelFetch(reflectance, texelOf(id, patchWidth), 0).rgb;
-  return srgb(colour * (0.25 + 0.75 * abs(dot(normal, normalize(seenAt)))));
+  vec4 material = texelFetch(reflectance, texelOf(id, patchWidth), 0);
+  if (material.a > 0.5) return vec3(1.0, 0.85, 0.3);
+  return srgb(material.rgb * (0.25 + 0.75 * abs(dot(normal, normalize(seenAt)))));
 }
 float edge() {
   vec2 wide = fwidth(cell);
@@ -144,7 +145,8 @@ float edge() {
 void main() {
   bool back = !gl_FrontFacing;
   if (back && blackBack) {
-    colour = vec4(what == 2 ? vec3(0.12) : vec3(0.0), 1.0);
+    if (what == 2) discard;  // one looks into a room from outside
+    colour = vec4(0.0, 0.0, 0.0, 1.0);
     return;
   }
   vec3 shown = what == 0 ? srgb(toneCurve(max(radiosity(), 0.0) * exposure)) : what == 1 ? falseColour(radiosity()) : clay();

@@ -36,11 +36,14 @@ export function uintTexture(values: Uint32Array, parts: 1 | 2 | 4): DataTexture 
   return texture(data, kTexelsPerRow, height, format, UnsignedIntType);
 }
 
-/** Three numbers each, as RGBA. */
-export function rgbTexture(values: Float32Array): DataTexture {
+/** Three numbers each and a fourth, as RGBA. */
+export function rgbTexture(values: Float32Array, alpha: (i: number) => number): DataTexture {
   const count = values.length / 3;
   const data = new Float32Array(4 * kTexelsPerRow * rowsFor(count, kTexelsPerRow));
-  for (let i = 0; i < count; ++i) data.set(values.subarray(3 * i, 3 * i + 3), 4 * i);
+  for (let i = 0; i < count; ++i) {
+    data.set(values.subarray(3 * i, 3 * i + 3), 4 * i);
+    data[4 * i + 3] = alpha(i);
+  }
   return texture(data, kTexelsPerRow, rowsFor(count, kTexelsPerRow), RGBAFormat, FloatType);
 }
 

@@ -7,6 +7,7 @@ import { CameraControl } from "./camera_control";
 import { LightPasses } from "./light_passes";
 import type { Display, LightingView, Picked, Term } from "./lighting_view";
 import { paletteTexels } from "./palette";
+import { Marks } from "./marks";
 import { Picker } from "./picker";
 import { cameraAt, type ShadingMesh } from "./shading_mesh";
 import { kSurfaceFragment } from "./shaders";
@@ -22,7 +23,7 @@ const kMeasuredMs = 1000;
 const kMovingTint = new Vector3(0.2, 0.55, 1);
 
 const kFirstDisplay: Display = {
-  what: "light", tintMoving: false, exposureStops: 0, toneMap: "filmic", smooth: true, borders: false,
+  what: "light", tintMoving: false, marks: false, exposureStops: 0, toneMap: "filmic", smooth: true, borders: false,
   scale: { from: 0, to: 1, log: false, signed: false },
 };
 
@@ -57,6 +58,7 @@ class WebGlView implements LightingView {
   private readonly surfaces: Surface[];
   private readonly bounds: Sphere;
   private readonly passes: LightPasses;
+  private readonly marks: Marks;
   private readonly control: CameraControl;
   private readonly picker: Picker;
   private readonly marked: DataTexture;
@@ -88,6 +90,8 @@ class WebGlView implements LightingView {
     this.tintMovingSurfaces();
     this.scene.add(...this.surfaces.map(({ mesh: surface }) => surface));
     this.scene.matrixWorldAutoUpdate = true;
+    this.marks = new Marks(mesh, this.bounds.radius);
+    this.scene.add(this.marks.group);
     this.control = new CameraControl(canvas, mesh.up, this.bounds, this.firstCamera());
     this.camera = this.control.state;
     this.picker = new Picker(this.renderer, mesh, this.surfaces, this.uniforms);
@@ -110,7 +114,8 @@ class WebGlView implements LightingView {
 
   setDisplay(display: Partial<Display>): void {
     this.display = { ...this.display, ...display };
-    const { what, exposureStops, toneMap, smooth, borders, scale, tintMoving } = this.display;
+    const { what, exposureStops, toneMap, smooth, borders, scale, tintMoving, marks } = this.display;
+    this.marks.group.visible = marks;
     const u = this.uniforms;
     u["what"]!.value = what === "light" ? 0 : what === "false-colour" ? 1 : 2;
     u["exposure"]!.value = (this.mesh.autoExposure * 2 ** exposureStops) / Math.PI;
@@ -127,6 +132,11 @@ class WebGlView implements LightingView {
     this.following.value = name;
     this.lead();
     this.draw();
+  }
+
+  showAll(): void {
+    this.following.value = null;
+    this.control.state.value = this.fromOutside();
   }
 
   setHighlighted(patches: readonly number[]): void {
@@ -155,6 +165,7 @@ class WebGlView implements LightingView {
     this.control.dispose();
     this.picker.dispose();
     this.passes.dispose();
+    this.marks.dispose();
     for (const { mesh: surface } of this.surfaces) surface.geometry.dispose();
     for (const material of this.materials) material.dispose();
     for (const { value } of Object.values(this.uniforms)) if (value instanceof Texture) value.dispose();
@@ -162,7 +173,7 @@ class WebGlView implements LightingView {
   }
 
   private makeUniforms(): Record<string, { value: unknown }> {
-    const reflectance = rgbTexture(this.mesh.patchReflectance);
+    const reflectance = rgbTexture(this.mesh.patchReflectance, (patch) => this.mesh.materialEmits[this.mesh.patchMaterial[patch]!]!);
     return {
       patchNodes: { value: uintTexture(this.mesh.patchNodes, 4) }, patchWidth: { value: kTexelsPerRow },
       nodeWidth: { value: kTexelsPerRow }, patches: { value: null }, nodeValues: { value: null },
@@ -198,14 +209,18 @@ class WebGlView implements LightingView {
     this.setDisplay({});
   }
 
-  /** The job's first camera, else from outside. */
   private firstCamera(): CameraState {
-    if (this.mesh.cameras.names.length > 0) return this.aimed(cameraAt(this.mesh, 0, 0));
+    return this.mesh.cameras.names.length > 0 ? this.aimed(cameraAt(this.mesh, 0, 0)) : this.fromOutside();
+  }
+
+  /** Askance from above, so far away that all is in sight. */
+  private fromOutside(): CameraState {
     const { center, radius } = this.bounds;
-    return {
-      position: [center.x + radius, center.y + radius * 0.8, center.z + radius * 0.8],
-      target: [center.x, center.y, center.z], verticalFovDeg: 50,
-    };
+    const up = new Vector3(...this.mesh.up);
+    const aside = new Vector3(up.y, up.z, up.x);
+    const away = up.clone().multiplyScalar(0.9).add(aside).addScaledVector(up.clone().cross(aside), 0.6).normalize();
+    const eye = center.clone().addScaledVector(away, 2.4 * radius);
+    return { position: [eye.x, eye.y, eye.z], target: [center.x, center.y, center.z], verticalFovDeg: 50 };
   }
 
   /** What a camera looks at, as far away as the middle of the scene: orbiting goes around it. */
@@ -242,6 +257,7 @@ class WebGlView implements LightingView {
     if (this.lightChanged) this.updateLight();
     if (this.control.walking) this.control.walk(Math.min((now - this.lastDrawn) / 1000, 0.1));
     place(this.mesh, this.surfaces, this.time);
+    if (this.display.marks) this.marks.place(this.time);
     this.renderer.clear();
     this.renderer.render(this.scene, this.control.camera);
     this.lastDrawn = now;

@@ -1,0 +1,43 @@
+// How the queue treats the job: api/schemas/job_options.schema.json.
+import { h } from "../base/h";
+
+const kSecondsPerDay = 86_400;
+
+export interface JobOptionsForm {
+  readonly element: HTMLElement;
+  /** Only what was set. */
+  values(): Record<string, unknown>;
+}
+
+/** "project=garage, take=3" -> { project: "garage", take: "3" } */
+function labelsOf(text: string): Record<string, string> {
+  const pairs = text.split(",").map((pair) => pair.trim()).filter((pair) => pair !== "");
+  return Object.fromEntries(pairs.map((pair) => {
+    const [name = "", ...value] = pair.split("=");
+    return [name.trim(), value.join("=").trim()];
+  }));
+}
+
+export function jobOptionsForm(changed: () => void): JobOptionsForm {
+  const events = { oninput: changed };
+  const name = h("input", { ...events, type: "text", maxlength: 200, placeholder: "as the animation says" });
+  const priority = h("input", { ...events, type: "number", min: 0, max: 100, step: 1, placeholder: "50" });
+  const labels = h("input", { ...events, type: "text", placeholder: "project=garage, take=3" });
+  const days = h("input", { ...events, type: "number", min: 0, step: 1, placeholder: "as the operator has chosen" });
+  const pinned = h("input", { ...events, type: "checkbox" });
+  const line = (label: string, input: HTMLElement, help: string) =>
+    h("label", { class: "setting" }, label, h("span", { class: "setting-input" }, input), h("span", { class: "muted small" }, help));
+  return {
+    element: h("fieldset", { class: "settings-group" }, h("legend", null, "In the queue"), h("div", { class: "settings-fields" },
+      line("Name", name, "For people."), line("Priority", priority, "0 to 100; higher is sooner. A minute of waiting is worth a point."),
+      line("Labels", labels, "To find it by."), line("Keep for", days, "Days after it finished; then it is removed."),
+      h("label", { class: "setting" }, h("span", null, pinned, " Pinned"), h("span", { class: "muted small" }, "Never removed by itself.")))),
+    values: () => ({
+      ...(name.value.trim() ? { name: name.value.trim() } : {}),
+      ...(priority.value ? { priority: Number(priority.value) } : {}),
+      ...(labels.value.trim() ? { labels: labelsOf(labels.value) } : {}),
+      ...(days.value ? { ttl_seconds: Number(days.value) * kSecondsPerDay } : {}),
+      ...(pinned.checked ? { pinned: true } : {}),
+    }),
+  };
+}
