@@ -1,15 +1,10 @@
 // keylume-server token create|list|revoke
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <ctime>
+#include <fstream>
 #include <iostream>
 
-#include "server/artefacts/files.h"
 #include "server/auth/token_folder.h"
 #include "server/auth/token_text.h"
 #include "server/commands.h"
@@ -44,11 +39,14 @@ api::Result<std::optional<std::int64_t>> expiry_of(const CommandWords& words, st
   return std::optional(now_ms + days * kDayMs);
 }
 
-/// For nobody but its owner to read; never over another file.
-api::Status write_secret(const std::string& path, const std::string& text) {
-  FileHandle file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file) return file_error(path, errno);
-  return write_all(file, text + "\n");
+/// Into `path`, durably, before there is a token: a crash in between leaves a file, and with --if-none the
+/// next start makes the token that the file holds.
+api::Result<std::string> hand_over(const std::string& path, bool may_be_there, const std::string& text) {
+  std::string known;
+  std::ifstream(path) >> known;
+  if (may_be_there && prefix_of(known)) return known;
+  if (const api::Status written = write_new_file(path, text + "\n"); !written) return written.error();
+  return text;
 }
 
 int create(TokenFolder& tokens, const CommandWords& words) {
@@ -64,13 +62,13 @@ int create(TokenFolder& tokens, const CommandWords& words) {
   const std::int64_t now = system_clock_ms();
   const auto expires = expiry_of(words, now);
   if (!expires) return refuse_command(expires.error(), kExitUsage);
-  const auto text = tokens.create(words.plain[1], *scopes, now, *expires, words.has("--again"));
-  if (!text) return refuse_command(text.error(), kExitFailed);
+  TokenFolder::HandOver into_file;
   if (const auto out = words.option("--out"))
-    if (const api::Status written = write_secret(*out, *text); !written) {
-      (void)tokens.revoke(text->substr(3, kPrefixChars));  // nobody would know it
-      return refuse_command(written.error(), kExitFailed);
-    }
+    into_file = [&, path = *out](const std::string& text) {
+      return hand_over(path, words.has("--if-none"), text);
+    };
+  const auto text = tokens.create(words.plain[1], *scopes, now, *expires, words.has("--again"), into_file);
+  if (!text) return refuse_command(text.error(), kExitFailed);
   std::cout << *text << std::endl;
   std::cerr << "This is the only time that it is shown. From now on requests need a token.\n";
   return 0;

@@ -15,7 +15,11 @@ struct RateRules {
   double burst = 200;     ///< requests at once
 };
 
-/// Token buckets by name: each holds `burst`, every request takes one, `per_second` flow in.
+/// Names come from strangers' addresses: so many are remembered.
+inline constexpr std::size_t kBucketsMax = 20'000;
+
+/// Token buckets by name: each holds `burst`, every request takes one, `per_second` flow in. Where there are
+/// too many names, the fullest buckets are forgotten first.
 /// Safe for use by several threads.
 class RateLimiter {
  public:
@@ -29,6 +33,8 @@ class RateLimiter {
     std::size_t wait_seconds = 0;  ///< until the next one may come; 0: at once
   };
   Answer ask(std::string_view who, Time now = std::chrono::steady_clock::now());
+
+  std::size_t remembered();  ///< buckets, at most kBucketsMax
 
   bool on() const { return rules_.per_second > 0; }
   const RateRules& rules() const { return rules_; }
@@ -45,5 +51,9 @@ class RateLimiter {
   std::mutex mutex_;
   std::map<std::string, Bucket, std::less<>> buckets_;
 };
+
+/// What one client is known by: an IPv4 address as it is, of an IPv6 one its network, "2001:db8::/64",
+/// because whoever has one address there has 2^64. Anything else as it is.
+std::string network_of(std::string_view address);
 
 }  // namespace server

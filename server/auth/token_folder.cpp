@@ -1,6 +1,7 @@
 #include "server/auth/token_folder.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -57,17 +58,11 @@ std::optional<Token> parse_token(std::string_view bytes) {
   return token;
 }
 
-/// Whole or not at all, and never over another file.
-api::Status write_new_file(const std::filesystem::path& file, std::string_view bytes) {
-  const std::filesystem::path part = file.string() + ".part";
-  FileHandle handle(::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!handle) return file_error(part.string(), errno);
-  api::Status written = write_all(handle, bytes);
-  if (written && ::fsync(handle.get()) != 0) written = file_error(part.string(), errno);
-  if (written && ::link(part.c_str(), file.c_str()) != 0) written = file_error(file.string(), errno);
-  ::unlink(part.c_str());
-  if (!written) return written;
-  return sync_folder(file.parent_path());
+/// Held while a token is made: two that are made at once must not get the same name.
+api::Result<FileHandle> lock(const std::filesystem::path& folder) {
+  FileHandle handle(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!handle || ::flock(handle.get(), LOCK_EX) != 0) return file_error(folder.string(), errno);
+  return handle;
 }
 
 std::int64_t changed_ns(const struct stat& status) {
@@ -75,6 +70,19 @@ std::int64_t changed_ns(const struct stat& status) {
 }
 
 }  // namespace
+
+api::Status write_new_file(const std::filesystem::path& file, std::string_view bytes) {
+  const std::filesystem::path part = file.string() + ".part";
+  ::unlink(part.c_str());  // of a crash
+  FileHandle handle(::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!handle) return file_error(part.string(), errno);
+  api::Status written = write_all(handle, bytes);
+  if (written && ::fsync(handle.get()) != 0) written = file_error(part.string(), errno);
+  if (written && ::link(part.c_str(), file.c_str()) != 0) written = file_error(file.string(), errno);
+  ::unlink(part.c_str());
+  if (!written) return written;
+  return sync_folder(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
+}
 
 bool TokenFolder::exists() const {
   struct stat status {};
@@ -86,13 +94,16 @@ std::filesystem::path TokenFolder::file_of(std::string_view prefix) const {
 }
 
 api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes& scopes, std::int64_t now_ms,
-                                             std::optional<std::int64_t> expires_ms, bool again) {
+                                             std::optional<std::int64_t> expires_ms, bool again,
+                                             const HandOver& hand_over) {
   if (!is_token_name(name))
     return api::Error{api::Fault::invalid_request,
                       "a token's name has 1 to 64 letters, digits, '.', '_' and '-'"};
   std::error_code error;
   std::filesystem::create_directories(folder_.parent_path(), error);
   if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) return file_error(folder_.string(), errno);
+  const auto locked = lock(folder_);
+  if (!locked) return locked.error();
   const auto others = list();
   if (!others) return others.error();
   if (others->size() >= kTokensMax)
@@ -103,6 +114,7 @@ api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes
                                                      "'; revoke it first, or give --again for another that "
                                                      "shares its jobs"};
   auto text = new_token_text();
+  if (text && hand_over) text = hand_over(*text);
   if (!text) return text;
   const Token token{std::string(name), *prefix_of(*text), sha256_of(*text), scopes, now_ms, expires_ms};
   if (const api::Status written = write_new_file(file_of(token.prefix), json_of(token)); !written)

@@ -30,6 +30,9 @@ struct Token {
   std::optional<std::int64_t> expires_ms;  ///< not valid from then on; none: never
 };
 
+/// Whole or not at all, durable, for nobody but its owner to read, and never over another file.
+api::Status write_new_file(const std::filesystem::path& file, std::string_view bytes);
+
 /// Safe for use by several threads, and by several processes.
 class TokenFolder {
  public:
@@ -39,11 +42,18 @@ class TokenFolder {
   /// Has there ever been a token? From then on the service asks for one.
   bool exists() const;
 
-  /// -> the token's text, which nobody can learn later. Errors: invalid_request for a name that is none
+  /// Gives a new token's text to whom it is for, and answers the text to keep: that one, or one which was
+  /// handed over before a crash. It must be safe there when this returns.
+  using HandOver = std::function<api::Result<std::string>(const std::string& text)>;
+
+  /// -> the token's text, which nobody can learn later. `hand_over` is called once the name is found to be
+  /// free and before the token is kept: no token is there that nobody knows. Errors: its own; invalid_request
+  /// for a name that is none
   /// ([A-Za-z0-9._-], 1 to 64), wrong_state where the name is taken, unless `again`; out_of_resources,
   /// disk_full, internal.
   api::Result<std::string> create(std::string_view name, const Scopes& scopes, std::int64_t now_ms,
-                                  std::optional<std::int64_t> expires_ms, bool again = false);
+                                  std::optional<std::int64_t> expires_ms, bool again = false,
+                                  const HandOver& hand_over = {});
   /// By name. A file that cannot be read is left out.
   api::Result<std::vector<Token>> list() const;
   /// All of that name, or the one with that prefix. Errors: not_found.

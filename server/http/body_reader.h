@@ -1,19 +1,20 @@
 // A request's body as it comes in: counted, and not waited for without end.
 #pragma once
 
-#include <httplib.h>
-
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <optional>
+#include <string>
 
+#include "server/http/client_socket.h"
 #include "server/http/message.h"
+#include "server/http/request_head.h"
 
 namespace server {
 
-/// A body slower than `bytes_per_s`, counted from its begin, is given up after `grace`.
 struct BodyPatience {
+  std::chrono::milliseconds silence{10'000};  ///< without a byte
+  /// A body slower than `bytes_per_s`, counted from its begin, is given up after `grace`.
   std::chrono::milliseconds grace{10'000};
   std::int64_t bytes_per_s = 1024;
 };
@@ -21,29 +22,39 @@ struct BodyPatience {
 /// What it is given must outlive it.
 class BodyReader {
  public:
-  BodyReader(const httplib::ContentReader& reader, BodyPatience patience, const std::atomic<bool>& stopping)
-      : reader_(reader), patience_(patience), stopping_(stopping) {}
+  BodyReader(ClientSocket& client, const RequestHead& head, const std::atomic<bool>& stopping)
+      : client_(client), head_(head), stopping_(stopping) {}
 
-  ReadBody reading();
+  /// Of at most `bytes_max` bytes. Who waits to be told to go on is told when the first piece is asked for.
+  ReadBody reading(std::int64_t bytes_max, BodyPatience patience);
 
-  bool begun() const { return asked_for_; }
+  /// Nothing of it is left to come: it was read to its end, or there is none.
+  bool is_over() const { return over_ || head_.body == BodyKind::none; }
   bool too_slow() const { return too_slow_; }
-  /// What the refused body of this announced length still has to bring; none: nobody knows, or not refused.
-  std::optional<std::int64_t> rest_of(std::int64_t announced) const;
+  bool too_large() const { return too_large_; }
 
  private:
   using SteadyClock = std::chrono::steady_clock;
+  using Take = std::function<bool(std::string_view)>;
 
+  bool read(const Take& take);
+  bool read_counted(const Take& take);
+  bool read_chunks(const Take& take);
+  bool read_bytes(std::int64_t count, const Take& take);
+  bool read_line(std::string& line);
   bool is_too_slow();
+  ssize_t receive(char* to, std::size_t size);
 
-  const httplib::ContentReader& reader_;
-  const BodyPatience patience_;
+  ClientSocket& client_;
+  const RequestHead& head_;
   const std::atomic<bool>& stopping_;
-  const SteadyClock::time_point begun_ = SteadyClock::now();
+  BodyPatience patience_;
+  SteadyClock::time_point begun_;
   std::int64_t bytes_ = 0;
-  bool asked_for_ = false;
-  bool refused_ = false;
+  std::int64_t bytes_max_ = 0;
+  bool over_ = false;
   bool too_slow_ = false;
+  bool too_large_ = false;
 };
 
 enum class SmallBody { whole, too_large, cut_off };

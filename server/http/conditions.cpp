@@ -4,6 +4,7 @@
 #include <charconv>
 #include <string>
 
+#include "server/http/field_text.h"
 #include "server/http/problem.h"
 
 namespace server {
@@ -16,13 +17,12 @@ struct RangeAnswer {
   ByteRange range;
 };
 
-/// Digits only; none where there are other characters or too many of them.
+/// Digits only; none where there are other characters. Too many of them are more than any file has.
 std::optional<std::int64_t> position(std::string_view digits) {
+  if (digits.empty() || digits.find_first_not_of("0123456789") != digits.npos) return std::nullopt;
   std::int64_t value = 0;
-  const char* end = digits.data() + digits.size();
-  const auto parsed = std::from_chars(digits.data(), end, value);
-  if (digits.empty() || parsed.ec != std::errc() || parsed.ptr != end || value < 0) return std::nullopt;
-  return value;
+  const auto parsed = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  return parsed.ec == std::errc() ? value : INT64_MAX;
 }
 
 RangeAnswer last_bytes(std::int64_t count, std::int64_t size) {
@@ -33,7 +33,7 @@ RangeAnswer last_bytes(std::int64_t count, std::int64_t size) {
 
 RangeAnswer range_of(std::string_view header, std::int64_t size) {
   constexpr std::string_view kUnit = "bytes=";
-  if (!header.starts_with(kUnit)) return {};
+  if (!same_ignoring_case(header.substr(0, kUnit.size()), kUnit)) return {};
   header.remove_prefix(kUnit.size());
   const std::size_t dash = header.find('-');
   if (dash == header.npos || header.find(',') != header.npos) return {};
@@ -46,12 +46,6 @@ RangeAnswer range_of(std::string_view header, std::int64_t size) {
   if (*first >= size) return {RangeKind::outside, {}};
   const std::int64_t end = last ? std::min(*last, size - 1) : size - 1;
   return {RangeKind::part, {*first, end - *first + 1}};
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (text.starts_with(' ') || text.starts_with('\t')) text.remove_prefix(1);
-  while (text.ends_with(' ') || text.ends_with('\t')) text.remove_suffix(1);
-  return text;
 }
 
 HttpAnswer not_modified(HttpAnswer whole) {
@@ -86,16 +80,9 @@ void apply_range(const HttpRequest& request, HttpAnswer& answer) {
 }  // namespace
 
 bool names_etag(std::string_view list, std::string_view etag) {
-  while (!list.empty()) {
-    const std::size_t comma = list.find(',');
-    std::string_view entry = trimmed(list.substr(0, comma));
-    list = comma == list.npos ? std::string_view() : list.substr(comma + 1);
-    if (entry == "*") return true;
-    if (entry.starts_with("W/")) entry.remove_prefix(2);
-    if (entry.size() == etag.size() + 2 && entry.starts_with('"') && entry.ends_with('"') &&
-        entry.substr(1, etag.size()) == etag)
+  while (!list.empty())
+    if (const std::string_view tag = tag_in(take_member(list)); tag == "*" || (!tag.empty() && tag == etag))
       return true;
-  }
   return false;
 }
 

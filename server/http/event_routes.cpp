@@ -10,7 +10,6 @@
 #include "server/http/parameters.h"
 #include "server/http/problem.h"
 #include "server/http/routes.h"
-#include "server/log.h"
 
 namespace server {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/http/dashboard_routes.h"
+#include "server/http/field_text.h"
 #include "server/http/problem.h"
 
 namespace server {
@@ -36,20 +37,12 @@ constexpr std::array kScopeOfRoute{
     RouteScope{"POST", "/v1/jobs/{id}/patches/series", Scope::jobs_read},
 };
 
-std::string_view trimmed(std::string_view text) {
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  return text;
-}
-
 std::optional<std::string> cookie_of(const HttpRequest& request) {
   const auto header = request.header("Cookie");
   if (!header) return std::nullopt;
   std::string_view rest = *header;
   while (!rest.empty()) {
-    const std::size_t end = rest.find(';');
-    const std::string_view pair = trimmed(rest.substr(0, end));
-    rest = end == rest.npos ? std::string_view() : rest.substr(end + 1);
+    const std::string_view pair = take_member(rest, ";");
     const std::size_t equals = pair.find('=');
     if (equals != pair.npos && pair.substr(0, equals) == kCookie) return std::string(pair.substr(equals + 1));
   }
@@ -87,10 +80,10 @@ std::optional<Scope> scope_of(const Route* route) {
 
 std::optional<BroughtToken> token_of(const HttpRequest& request) {
   constexpr std::string_view kBearer = "Bearer ";
-  if (const auto header = request.header("Authorization")) {
-    if (!header->starts_with(kBearer)) return BroughtToken{};
-    return BroughtToken{std::string(trimmed(std::string_view(*header).substr(kBearer.size())))};
-  }
+  const std::string header = request.header("Authorization").value_or("");
+  // Other schemes are for others, such as a proxy that asks for a password of its own.
+  if (same_ignoring_case(std::string_view(header).substr(0, kBearer.size()), kBearer))
+    return BroughtToken{std::string(trimmed(std::string_view(header).substr(kBearer.size())))};
   if (auto cookie = cookie_of(request)) return BroughtToken{std::move(*cookie), true};
   return std::nullopt;
 }
@@ -151,7 +144,8 @@ std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
   const auto brought = token_of(request);
   const auto token = brought ? tokens_.find(brought->text, clock_()) : std::nullopt;
   if (token) request.owner = token->name;
-  if (auto often = refuse_too_often(request, token ? token->prefix : "from " + request.address, more_headers))
+  if (auto often = refuse_too_often(request, token ? token->prefix : "from " + network_of(request.address),
+                                    more_headers))
     return often;
   const bool asks = asks_for_tokens();
   request.sees_all = !asks || (token && token->scopes.has(Scope::queue_admin));

@@ -16,17 +16,14 @@
 #include "server/http/body_reader.h"
 #include "server/http/library_answer.h"
 #include "server/http/library_request.h"
+#include "server/http/library_server.h"
 #include "server/http/problem.h"
 #include "server/log.h"
 
 namespace server {
 namespace {
 
-constexpr time_t kReadSeconds = 10;
-constexpr time_t kWriteSeconds = 30;
-constexpr time_t kKeepAliveSeconds = 2;  // an idle connection holds a thread
-constexpr std::size_t kKeepAliveRequests = 1000;
-constexpr std::size_t kMultipartFrameBytes = 1 << 20;
+constexpr std::int64_t kMultipartFrameBytes = 1 << 20;
 constexpr std::size_t kRequestIdBytesMax = 64;
 
 /// The request that this thread is answering: a thread has one at a time.
@@ -34,7 +31,6 @@ thread_local HttpRequest current;
 thread_local std::string current_route;
 thread_local std::string current_id;
 thread_local std::optional<std::chrono::steady_clock::time_point> begun_at;  ///< none: we never saw it
-thread_local bool admitted = false;  ///< already, while the client waits to be told to go on
 thread_local std::vector<std::pair<std::string, std::string>> more_headers;  ///< for its answer
 
 bool is_request_id(std::string_view text) {
@@ -58,8 +54,8 @@ std::string new_request_id() {
 }
 
 /// The client's, so that its log and ours can be matched, or a new one.
-std::string id_of(const httplib::Request& request) {
-  const std::string given = request.get_header_value("X-Request-Id");
+std::string id_of(const RequestHead& head) {
+  const std::string given = head.field("X-Request-Id").value_or("");
   return is_request_id(given) ? given : new_request_id();
 }
 
@@ -72,20 +68,17 @@ void set_safe_headers(httplib::Response& response) {
     response.set_header("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
 }
 
-/// One of a number of places, for as long as it lives; none is taken where it is not `counted`.
+/// One of a number of places, for as long as it lives.
 class Place {
  public:
-  Place(std::atomic<std::size_t>& taken, std::size_t most, bool counted)
-      : taken_(counted ? &taken : nullptr), ours_(!counted || ++taken <= most) {}
-  ~Place() {
-    if (taken_) --*taken_;
-  }
+  Place(std::atomic<std::size_t>& taken, std::size_t most) : taken_(taken), ours_(++taken <= most) {}
+  ~Place() { --taken_; }
   Place(const Place&) = delete;
   Place& operator=(const Place&) = delete;
   explicit operator bool() const { return ours_; }
 
  private:
-  std::atomic<std::size_t>* taken_;
+  std::atomic<std::size_t>& taken_;
   const bool ours_;
 };
 
@@ -108,47 +101,19 @@ struct HttpServer::Library {
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
     server.set_tcp_nodelay(true);  // otherwise every answer waits for the client's delayed acknowledgement
-    server.set_keep_alive_max_count(kKeepAliveRequests);
-    server.set_keep_alive_timeout(kKeepAliveSeconds);
-    server.set_read_timeout(kReadSeconds);
-    server.set_write_timeout(kWriteSeconds);
-    server.set_payload_max_length(static_cast<std::size_t>(rules.upload_bytes_max) + kMultipartFrameBytes);
+    const ConnectionRules& connections = server.connection_rules;
+    server.set_keep_alive_max_count(connections.requests_max);  // these two are only said to clients
+    server.set_keep_alive_timeout(std::chrono::duration_cast<std::chrono::seconds>(connections.idle).count());
+    server.connection_rules.head = rules.head_patience;
   }
 
   void set_handlers() {
     using Handled = httplib::Server::HandlerResponse;
     server.set_pre_routing_handler([this](const auto& request, auto& response) {
-      const bool asked_before = std::exchange(admitted, false);
-      if (!asked_before) begin(request);
-      const FoundRoute found = router.find(current.method, current.path);
-      const auto refused = asked_before ? std::nullopt : refuse(request, found);
-      if (refused) {
-        refuse_unread(*refused, stopping, request, response);
-      } else if (takes_body(request, found)) {
-        lead_to_body_handler(request);
-        return Handled::Unhandled;
-      } else {
-        send(router.answer(current), stopping, response);
-      }
+      Incoming& incoming = LibraryServer::incoming();
+      begin(request, incoming);
+      send(answer_to(incoming), stopping, response);
       return Handled::Handled;
-    });
-    const auto with_body = [this](const auto& request, auto& response, const auto& reader) {
-      restore_path(request, current.path);
-      take_body(request, response, reader);
-    };
-    server.Post(kBodyPath, with_body);
-    server.Put(kBodyPath, with_body);
-    server.Patch(kBodyPath, with_body);
-    server.Delete(kBodyPath, with_body);
-    server.set_expect_100_continue_handler([this](const auto& request, auto& response) {
-      begin(request);
-      const FoundRoute found = router.find(current.method, current.path);
-      auto refused = refuse(request, found);
-      if (!refused && streams(found) && uploads >= rules.uploads_max) refused = too_many_uploads();
-      admitted = !refused;
-      if (admitted) return 100;
-      send(*refused, stopping, response);
-      return refused->status;
     });
     server.set_error_handler([this](const auto& request, auto& response) {
       // Only for what the library refuses by itself: ours have a body.
@@ -159,16 +124,38 @@ struct HttpServer::Library {
       send(answer_to_exception(request.path, thrown), stopping, response);
     });
     server.set_post_routing_handler([this](const auto& request, auto& response) {
-      const std::string id = begun_at ? current_id : id_of(request);
+      Incoming& incoming = LibraryServer::incoming();
+      const std::string id = begun_at ? current_id : id_of(incoming.parsed.head);
       response.set_header("X-Request-Id", id);
       for (const auto& [name, value] : std::exchange(more_headers, {})) response.set_header(name, value);
       set_safe_headers(response);
       if (response.status == 204 || response.status == 304) response.headers.erase("Content-Length");
-      if (begun_at) --answering;
+      say_if_last(incoming, response);
       if (tell) tell(exchange_of(id, request, response.status));
-      begun_at.reset();
-      set_log_request_id("");
+      end_answering();
     });
+    server.when_answered = [this] {
+      end_answering();
+      // A body of a megabyte, and what refers to a request that is no more.
+      current = {};
+      set_log_request_id("");
+    };
+  }
+
+  /// Its content may still be on its way, which nobody waits for when the server stops.
+  void end_answering() {
+    if (begun_at) --answering;
+    begun_at.reset();
+  }
+
+  /// Unread bytes of a body are never taken for the next request; after a refusal the library tells the
+  /// client that we close.
+  static void say_if_last(Incoming& incoming, httplib::Response& response) {
+    if (response.status >= 400 || incoming.has_unread_body) incoming.close_after = true;
+    if (!incoming.close_after) return;
+    response.headers.erase("Keep-Alive");
+    response.headers.erase("Connection");
+    response.set_header("Connection", "close");
   }
 
   static Exchange exchange_of(const std::string& id, const httplib::Request& request, int status) {
@@ -179,78 +166,90 @@ struct HttpServer::Library {
             status, elapsed.count()};
   }
 
-  void begin(const httplib::Request& request) {
+  void begin(const httplib::Request& request, const Incoming& incoming) {
     if (!begun_at) ++answering;
-    take_over(request);
-    current = request_of(request);
+    keep_from_bodies(request);
+    current = request_of(request, incoming);
+    current_route.clear();
+    more_headers.clear();
     begun_at = request.start_time_;
-    current_id = id_of(request);
+    current_id = id_of(incoming.parsed.head);
     set_log_request_id(current_id);
   }
 
   static bool streams(const FoundRoute& found) { return found.route && found.route->upload; }
 
-  static bool may_bring_body(const httplib::Request& request) {
-    return request.method == "POST" || request.method == "PUT" || request.method == "PATCH" ||
-           request.method == "DELETE";
+  static bool may_bring_body() {
+    return current.method == "POST" || current.method == "PUT" || current.method == "PATCH" ||
+           current.method == "DELETE";
   }
 
-  static bool takes_body(const httplib::Request& request, const FoundRoute& found) {
-    return streams(found) || (may_bring_body(request) && brings_body(request));
+  std::size_t body_bytes_max(const FoundRoute& found) const {
+    const std::size_t own = found.route ? found.route->body_bytes_max : 0;
+    return own > 0 ? std::min(own, rules.small_body_bytes_max) : rules.small_body_bytes_max;
+  }
+
+  HttpAnswer answer_to(Incoming& incoming) {
+    const auto& [head, refused] = incoming.parsed;
+    if (refused) return problem(refused->status, refused->detail, current.path);
+    BodyReader body(incoming.client, head, stopping);
+    HttpAnswer answer = answer_with_body(head, body);
+    incoming.has_unread_body = !body.is_over();
+    return answer;
+  }
+
+  HttpAnswer answer_with_body(const RequestHead& head, BodyReader& body) {
+    const FoundRoute found = router.find(current.method, current.path);
+    if (auto refused = refuse(head, found)) return std::move(*refused);
+    // Of a route that streams, the handler says that a body is missing.
+    if (head.body == BodyKind::none) return router.answer(current);
+    return streams(found) ? take_upload(found, body) : take_small_body(found, body);
   }
 
   /// What can be said before the body is there.
-  std::optional<HttpAnswer> refuse(const httplib::Request& request, const FoundRoute& found) {
-    more_headers.clear();
+  std::optional<HttpAnswer> refuse(const RequestHead& head, const FoundRoute& found) {
     current_route = found.route ? found.route->method + " " + found.route->pattern : "";
     if (auto refused = gate.refuse(current, found.route, more_headers)) return refused;
-    if (!may_bring_body(request) && (announced_bytes(request) > 0 || request.has_header("Transfer-Encoding")))
+    if (!may_bring_body() && (head.body_bytes > 0 || head.body == BodyKind::chunked))
       return problem(413, "no body is expected here", current.path);
-    if (request.has_header("Content-Encoding"))
-      return problem(415, "compressed bodies are not taken", current.path);
+    if (head.field("Content-Encoding")) return problem(415, "compressed bodies are not taken", current.path);
     if (streams(found)) return found.route->refuse_early ? found.route->refuse_early(current) : std::nullopt;
-    if (announced_bytes(request) > static_cast<std::int64_t>(rules.small_body_bytes_max)) return too_large();
+    if (head.body_bytes > static_cast<std::int64_t>(body_bytes_max(found)))
+      return too_large(body_bytes_max(found));
     return std::nullopt;
   }
 
-  HttpAnswer too_large() const {
-    return problem(413, "a body here may have up to " + std::to_string(rules.small_body_bytes_max) + " bytes",
-                   current.path);
+  static HttpAnswer too_large(std::size_t bytes_max) {
+    return problem(413, "a body here may have up to " + std::to_string(bytes_max) + " bytes", current.path);
   }
 
-  HttpAnswer answer_with_body(BodyReader& body) {
-    const FoundRoute found = router.find(current.method, current.path);
-    if (streams(found)) return found.route->upload(current, found.values, body.reading());
-    switch (read_small_body(body.reading(), rules.small_body_bytes_max, current.body)) {
-      case SmallBody::too_large:
-        return too_large();
-      case SmallBody::cut_off:
-        return problem(400, "the body ended early", current.path);
-      case SmallBody::whole:
-        break;
-    }
+  BodyPatience patience() const { return {rules.body_silence, rules.upload_grace, rules.upload_bytes_per_s}; }
+
+  HttpAnswer too_slow() const {
+    return problem(
+        408,
+        "the body came in at less than " + std::to_string(rules.upload_bytes_per_s) + " bytes per second",
+        current.path);
+  }
+
+  HttpAnswer take_small_body(const FoundRoute& found, BodyReader& body) {
+    const std::size_t bytes_max = body_bytes_max(found);
+    const ReadBody reading = body.reading(static_cast<std::int64_t>(bytes_max), patience());
+    const SmallBody came = read_small_body(reading, bytes_max, current.body);
+    if (body.too_slow()) return too_slow();
+    if (came == SmallBody::too_large || body.too_large()) return too_large(bytes_max);
+    if (came == SmallBody::cut_off) return problem(400, "the body ended early", current.path);
     return router.answer(current);
   }
 
-  void take_body(const httplib::Request& request, httplib::Response& response,
-                 const httplib::ContentReader& reader) {
-    const bool upload = streams(router.find(current.method, current.path));
-    const Place place(uploads, rules.uploads_max, upload);
-    if (!place) return refuse_unread(too_many_uploads(), stopping, request, response);
-    BodyReader body(reader, {rules.upload_grace, rules.upload_bytes_per_s}, stopping);
-    HttpAnswer answer = answer_with_body(body);
-    if (body.too_slow())
-      answer = problem(
-          408,
-          "the body came in at less than " + std::to_string(rules.upload_bytes_per_s) + " bytes per second",
-          current.path);
-    send(answer, stopping, response);
-    if (request.body_consumed_) return;
-    const auto rest = body.rest_of(announced_bytes(request));
-    if (rest && *rest <= kDropBytesMax)
-      expect_only(*rest, request);
-    else if (body.begun() || has_much_left(request))
-      send_and_close(answer, request, response);
+  HttpAnswer take_upload(const FoundRoute& found, BodyReader& body) {
+    const Place place(uploads, rules.uploads_max);
+    if (!place) return too_many_uploads();
+    const std::int64_t bytes_max = rules.upload_bytes_max + kMultipartFrameBytes;
+    HttpAnswer answer = found.route->upload(current, found.values, body.reading(bytes_max, patience()));
+    if (body.too_slow()) return too_slow();
+    if (body.too_large()) return too_large(static_cast<std::size_t>(bytes_max));
+    return answer;
   }
 
   static HttpAnswer too_many_uploads() { return problem(503, "too many uploads at once", current.path); }
@@ -274,7 +273,7 @@ struct HttpServer::Library {
   std::atomic<std::size_t> uploads = 0;
   std::atomic<std::size_t> answering = 0;  ///< requests that have come, and have no answer yet
   int port = 0;
-  httplib::Server server;
+  LibraryServer server;
 };
 
 HttpServer::HttpServer(const Router& router, Gate& gate, HttpRules rules,

@@ -24,6 +24,9 @@ struct HttpRules {
   std::size_t threads = 64;
   std::size_t connections_waiting_max = 256;
   std::size_t uploads_max = 16;  ///< at once, further ones are 503: the other threads stay free for reading
+  std::chrono::milliseconds head_patience{
+      10'000};                                     ///< for a request's head, from its first byte on; then 408
+  std::chrono::milliseconds body_silence{10'000};  ///< a body that says nothing for so long is given up
   std::chrono::milliseconds upload_grace{10'000};  ///< from here on a body slower than this is 408:
   std::int64_t upload_bytes_per_s = 1024;
 };

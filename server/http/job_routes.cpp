@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "server/http/conditions.h"
+#include "server/http/field_text.h"
 #include "server/http/job_json.h"
 #include "server/http/parameters.h"
 #include "server/http/problem.h"
@@ -107,15 +108,11 @@ HttpAnswer get_job(JobService& jobs, const HttpRequest& request, const PathValue
 std::optional<std::int64_t> matching_version(std::string_view if_match, const Job& job) {
   const std::string version = std::to_string(job.version);
   while (!if_match.empty()) {
-    const std::size_t comma = if_match.find(',');
-    std::string_view entry = if_match.substr(0, comma);
-    if_match = comma == if_match.npos ? std::string_view() : if_match.substr(comma + 1);
-    while (entry.starts_with(' ')) entry.remove_prefix(1);
-    while (entry.ends_with(' ')) entry.remove_suffix(1);
-    if (entry == "*") return job.version;
-    if (entry.size() < 2 || !entry.starts_with('"') || !entry.ends_with('"')) continue;
-    entry = entry.substr(1, entry.size() - 2);
-    if (entry.substr(0, entry.find('-')) == version) return job.version;
+    const std::string_view member = take_member(if_match);
+    // If-Match compares strongly: a weak tag matches nothing (RFC 9110, section 13.1.1).
+    if (member.starts_with("W/")) continue;
+    const std::string_view tag = tag_in(member);
+    if (tag == "*" || tag.substr(0, tag.find('-')) == version) return job.version;
   }
   return std::nullopt;
 }
@@ -188,11 +185,11 @@ void add_job_routes(Router& router, JobService& jobs) {
   };
   router.add("GET", "/v1/jobs",
              [&jobs](const auto& request, const auto&) { return list_jobs(jobs, request); });
-  // Their bodies stream, so http_server.cpp calls take_job instead; here they stand for 405 and for the
-  // contract.
+  // Their bodies stream, to take_job; this is for requests that bring none.
   for (const std::string_view path : {kSubmitPath, kValidatePath, kPreviewPath})
     router.add("POST", std::string(path), [](const auto& request, const auto&) {
-      return problem(415, "the body must be multipart/form-data", request.path);
+      return problem(411, "a body is expected here: multipart/form-data, or JSON that names files",
+                     request.path);
     });
   router.add("GET", "/v1/jobs/{id}", with_jobs(get_job));
   router.add("PATCH", "/v1/jobs/{id}", with_jobs(change_job));

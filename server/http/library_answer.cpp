@@ -2,24 +2,44 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
+#include <functional>
 #include <string>
 #include <utility>
 
-#include "server/http/library_request.h"
+#include "server/log.h"
 
 namespace server {
 namespace {
 
 constexpr std::size_t kPieceBytes = 64 * 1024;
 
+/// Content is made while it is sent, where nothing catches what the making throws.
+bool or_cut_short(const std::function<bool()>& make) {
+  try {
+    return make();
+  } catch (const std::exception& error) {
+    log_line(std::string("an answer was cut short: ") + error.what());
+  } catch (...) {
+    log_line("an answer was cut short");
+  }
+  return false;
+}
+
+bool send_piece(const FileBody& file, std::int64_t at, std::size_t count, httplib::DataSink& sink) {
+  std::array<char, kPieceBytes> piece;
+  const auto wanted = static_cast<std::int64_t>(std::min(count, piece.size()));
+  const std::int64_t got = file.read(at, piece.data(), wanted);
+  return got > 0 && sink.write(piece.data(), static_cast<std::size_t>(got));
+}
+
 void send_file(const HttpAnswer& answer, ByteRange part, const std::atomic<bool>& stopping,
                httplib::Response& response) {
   auto provider = [file = answer.file, first = part.first, &stopping](std::size_t at, std::size_t count,
                                                                       httplib::DataSink& sink) {
-    std::array<char, kPieceBytes> piece;
-    const auto wanted = static_cast<std::int64_t>(std::min(count, piece.size()));
-    const std::int64_t got = file->read(first + static_cast<std::int64_t>(at), piece.data(), wanted);
-    return !stopping && got > 0 && sink.write(piece.data(), static_cast<std::size_t>(got));
+    return !stopping && or_cut_short([&] {
+      return send_piece(*file, first + static_cast<std::int64_t>(at), count, sink);
+    });
   };
   response.set_content_provider(static_cast<std::size_t>(part.count), answer.content_type,
                                 std::move(provider));
@@ -31,11 +51,13 @@ void send_stream(const HttpAnswer& answer, const std::atomic<bool>& stopping, ht
   response.set_chunked_content_provider(
       answer.content_type,
       [next = answer.stream, &stopping, piece = std::string()](std::size_t, httplib::DataSink& sink) mutable {
-        piece.clear();
-        const bool more = next(piece) && !stopping;
-        if (!piece.empty() && !sink.write(piece.data(), piece.size())) return false;
-        if (!more) sink.done();
-        return true;
+        return or_cut_short([&] {
+          piece.clear();
+          const bool more = next(piece) && !stopping;
+          if (!piece.empty() && !sink.write(piece.data(), piece.size())) return false;
+          if (!more) sink.done();
+          return true;
+        });
       });
 }
 
@@ -55,23 +77,6 @@ void send(const HttpAnswer& answer, const std::atomic<bool>& stopping, httplib::
     response.set_content(
         answer.body.substr(static_cast<std::size_t>(part.first), static_cast<std::size_t>(part.count)),
         answer.content_type);
-}
-
-void send_and_close(const HttpAnswer& answer, const httplib::Request& from, httplib::Response& response) {
-  body_is_read(from);
-  response.body.clear();
-  response.headers.erase("Content-Type");  // the library would send it twice
-  response.set_content_provider(answer.body.size(), answer.content_type,
-                                [body = answer.body](std::size_t at, std::size_t count, auto& sink) {
-                                  (void)sink.write(body.data() + at, count);
-                                  return false;
-                                });
-}
-
-void refuse_unread(const HttpAnswer& answer, const std::atomic<bool>& stopping, const httplib::Request& from,
-                   httplib::Response& response) {
-  send(answer, stopping, response);
-  if (has_much_left(from)) send_and_close(answer, from, response);
 }
 
 }  // namespace server

@@ -9,16 +9,8 @@
 
 namespace server {
 
-/// `stopping` cuts short what streams; it must outlive the response.
+/// `stopping` cuts short what streams; it must outlive the response. What throws while it is being sent, for
+/// want of memory say, ends that answer and no more: the library would let it end the server.
 void send(const HttpAnswer& answer, const std::atomic<bool>& stopping, httplib::Response& response);
-
-/// Has the library close the connection after this answer, unread bytes and all, which it does only where an
-/// answer fails.
-void send_and_close(const HttpAnswer& answer, const httplib::Request& from, httplib::Response& response);
-
-/// For answers given before the body was read: the library would read it to its end, gigabytes perhaps, on a
-/// thread that others need.
-void refuse_unread(const HttpAnswer& answer, const std::atomic<bool>& stopping, const httplib::Request& from,
-                   httplib::Response& response);
 
 }  // namespace server

@@ -7,9 +7,11 @@
 namespace server {
 namespace {
 
+constexpr std::size_t kBodyBytesMax = 4096;  // anybody may send one, so it is short
+
 /// The body of a login; none: it is no such body.
 std::optional<std::string> token_in(std::string_view body) {
-  const auto json = api::parse_json(body, "body", {4096, 4, 16});
+  const auto json = api::parse_json(body, "body", {kBodyBytesMax, 4, 16});
   if (!json || !json->is_object() || json->size() != 1) return std::nullopt;
   const auto token = json->find("token");
   if (token == json->end() || !token->is_string()) return std::nullopt;
@@ -46,6 +48,7 @@ void add_login_routes(Router& router, TokenFolder& tokens, std::function<std::in
              [&tokens, clock = std::move(clock)](const HttpRequest& request, const PathValues&) {
                return log_in(tokens, request, clock());
              });
+  router.limit_body("POST", "/v1/login", kBodyBytesMax);
   // operationId logOut. The token stays valid: whoever wants it gone revokes it.
   router.add("POST", "/v1/logout", [](const HttpRequest& request, const PathValues&) {
     return with_cookie(login_cookie("", request.over_tls));

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <system_error>
 
+#include "server/http/field_text.h"
+
 namespace server {
 
 std::optional<std::int64_t> whole_number(std::string_view text) {
@@ -32,11 +34,7 @@ std::string percent_encoded(std::string_view text) {
 std::int64_t wait_preference(std::string_view prefer, std::int64_t most) {
   constexpr std::string_view kWait = "wait=";
   while (!prefer.empty()) {
-    const std::size_t comma = prefer.find_first_of(",;");
-    std::string_view entry = prefer.substr(0, comma);
-    prefer = comma == prefer.npos ? std::string_view() : prefer.substr(comma + 1);
-    while (entry.starts_with(' ')) entry.remove_prefix(1);
-    while (entry.ends_with(' ')) entry.remove_suffix(1);
+    const std::string_view entry = take_member(prefer, ",;");
     if (!entry.starts_with(kWait)) continue;
     const auto seconds = whole_number(entry.substr(kWait.size()));
     return seconds ? std::clamp<std::int64_t>(*seconds, 0, most) : 0;

@@ -82,6 +82,11 @@ void Router::add_upload(std::string method, std::string pattern, UploadHandler u
   route->refuse_early = std::move(refuse_early);
 }
 
+void Router::limit_body(std::string_view method, std::string_view pattern, std::size_t bytes_max) {
+  for (Route& route : routes_)
+    if (route.method == method && route.pattern == pattern) route.body_bytes_max = bytes_max;
+}
+
 void Router::guard(std::string name, RouteGuard guard) {
   guarded_name_ = std::move(name);
   guard_ = std::move(guard);

@@ -1,6 +1,7 @@
 // Which function answers which method and path.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <optional>
@@ -32,6 +33,7 @@ struct Route {
   RouteHandler handler;
   UploadHandler upload = {};       ///< instead of `handler` where the request comes over a socket
   EarlyRefusal refuse_early = {};  ///< asked before `upload`, also for `Expect: 100-continue`
+  std::size_t body_bytes_max = 0;  ///< of a body that does not stream; 0: the server's
 };
 
 struct FoundRoute {
@@ -46,6 +48,9 @@ class Router {
 
   /// A route with a body that streams; the route may have been added with a handler before.
   void add_upload(std::string method, std::string pattern, UploadHandler upload, EarlyRefusal refuse_early);
+
+  /// A route that was added, and takes bodies of at most `bytes_max`.
+  void limit_body(std::string_view method, std::string_view pattern, std::size_t bytes_max);
 
   /// Of all routes with a {name}, also those that are added later: whatever such a route does, it does it
   /// only for whom the guard lets pass. Uploads are asked for with no such name.

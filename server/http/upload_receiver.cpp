@@ -7,11 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "api/job_options.h"
+#include "server/archives/archive.h"
 #include "server/artefacts/files.h"
+#include "server/http/field_text.h"
 
 namespace server {
 namespace {
@@ -35,18 +36,12 @@ constexpr std::array kFields{
     Field{"animation", InputRole::animation, "animation.json"},
 };
 
-bool same_ignoring_case(std::string_view a, std::string_view b) {
-  // Materials and textures are looked up by name whatever the case, so two such names would be one.
-  return a.size() == b.size() && ::strncasecmp(a.data(), b.data(), a.size()) == 0;
-}
-
 }  // namespace
 
 std::optional<std::string> safe_base_name(std::string_view file_name) {
   const std::size_t slash = file_name.find_last_of("/\\");
   const std::string_view name = slash == file_name.npos ? file_name : file_name.substr(slash + 1);
-  if (name.size() > kNameBytesMax || name.starts_with('.') || !is_plain_relative_path(name))
-    return std::nullopt;
+  if (name.size() > kNameBytesMax || name.starts_with('.') || !is_entry_name(name)) return std::nullopt;
   return std::string(name);
 }
 
@@ -101,6 +96,7 @@ std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::
 }
 
 bool UploadReceiver::has_room_for(const InputFile& input) {
+  // Materials and textures are looked up by name whatever the case, so two such names would be one.
   for (const InputFile& other : inputs_)
     if (same_ignoring_case(other.name, input.name))
       return refuse_part(input.name, "duplicate_part", "'" + input.name + "' comes twice");

@@ -83,7 +83,8 @@ class UploadReceiver {
 };
 
 /// The last component of a file name as clients send it ("C:\\a\\b.mtl", "a/b.mtl" -> "b.mtl"), or none where
-/// that is no name to keep a file under: empty, hidden, longer than 200 bytes, with control characters.
+/// that is no name to keep a file under: empty, hidden, longer than 200 bytes, or none that a file of an
+/// archive may have (is_entry_name): not UTF-8, with control characters.
 std::optional<std::string> safe_base_name(std::string_view file_name);
 
 }  // namespace server
