@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "api/fault_point.h"
 #include "server/artefacts/files.h"
 #include "server/artefacts/verify.h"
 #include "server/store/maintenance.h"
@@ -22,6 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDatabase = "keylume.db";
 constexpr const char* kSums = "SHA256SUMS";
+constexpr const char* kPart = ".part";  // ends the name of a folder that is not whole yet
 // Written once, by rename: a link to them stays what it is.
 const std::set<std::string> kUnchanging{"input", "artefacts", "views", "video", "videos"};
 
@@ -94,6 +96,7 @@ api::Status take_jobs(const fs::path& data, const fs::path& to, BackupReport& re
     const api::Status taken = take_job(data / "jobs" / job.id, to / "jobs" / job.id, job.succeeded);
     if (taken) {
       ++report.jobs;
+      api::fault_point("backup_job_taken");
       continue;
     }
     std::error_code error;
@@ -124,6 +127,7 @@ api::Status write_sums(const fs::path& folder, BackupReport& report) {
   FileHandle handle(::open((folder / kSums).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
   if (!handle) return file_error((folder / kSums).string(), errno);
   if (api::Status written = write_all(handle, sums); !written) return written;
+  api::fault_point("backup_sums_written");
   if (::fsync(handle.get()) != 0) return file_error((folder / kSums).string(), errno);
   return sync_folder(folder);
 }
@@ -134,13 +138,15 @@ api::Result<BackupReport> appear_whole(const fs::path& to, const Make& make) {
   std::error_code error;
   if (fs::exists(to, error)) return api::Error{api::Fault::wrong_state, to.string() + " exists already"};
   const fs::path absolute = fs::absolute(to, error).lexically_normal();
-  const fs::path part = absolute.string() + ".part";
+  const fs::path part = absolute.string() + kPart;
   if (api::Status removed = remove_tree(part); !removed) return removed.error();
   fs::create_directories(part.parent_path(), error);
   if (::mkdir(part.c_str(), 0700) != 0) return file_error(part.string(), errno);
   BackupReport report;
   api::Status made = make(part, report);
+  api::fault_point("folder_made");
   if (made && ::rename(part.c_str(), absolute.c_str()) != 0) made = file_error(absolute.string(), errno);
+  api::fault_point("folder_named");
   if (made) made = sync_folder(absolute.parent_path());
   if (made) return report;
   (void)remove_tree(part);
@@ -151,6 +157,20 @@ struct Sum {
   std::string sha256;
   std::string path;
 };
+
+/// Says it where `backup` is what a backup that did not come to its end has left.
+api::Status refuse_half(const fs::path& backup) {
+  const auto half = [](const std::string& name) {
+    return api::Error{api::Fault::invalid_request,
+                      name + " is half a backup, left by one that did not come to its end; make it anew"};
+  };
+  std::error_code error;
+  const std::string name = backup.lexically_normal().string();
+  if (name.ends_with(kPart) || name.ends_with(std::string(kPart) + "/")) return half(name);
+  if (!fs::exists(backup, error) && fs::exists(name + kPart, error)) return half(name + kPart);
+  if (!fs::exists(backup, error)) return api::Error{api::Fault::not_found, name + " does not exist"};
+  return api::Done{};
+}
 
 api::Result<std::vector<Sum>> read_sums(const fs::path& backup) {
   std::ifstream file(backup / kSums);
@@ -184,6 +204,7 @@ api::Result<BackupReport> back_up(const fs::path& data, const fs::path& to) {
                       data.string() + " is no data folder: " + kDatabase + " is missing"};
   return appear_whole(to, [&](const fs::path& part, BackupReport& report) -> api::Status {
     if (api::Status copied = copy_database(data / kDatabase, part / kDatabase); !copied) return copied;
+    api::fault_point("backup_database_copied");
     if (api::Status taken = take_jobs(data, part, report); !taken) return taken;
     if (fs::exists(data / "tokens", error))
       if (api::Status taken = take_tree(data / "tokens", part / "tokens", false); !taken) return taken;
@@ -192,6 +213,7 @@ api::Result<BackupReport> back_up(const fs::path& data, const fs::path& to) {
 }
 
 api::Result<BackupReport> restore(const fs::path& backup, const fs::path& data) {
+  if (const api::Status whole = refuse_half(backup); !whole) return whole.error();
   const auto sums = read_sums(backup);
   if (!sums) return sums.error();
   for (const Sum& sum : *sums)
@@ -203,6 +225,7 @@ api::Result<BackupReport> restore(const fs::path& backup, const fs::path& data) 
       if (api::Status copied = copy_durably(backup / sum.path, part / sum.path); !copied) return copied;
       ++report.files;
       report.bytes += static_cast<std::int64_t>(fs::file_size(part / sum.path, error));
+      api::fault_point("restore_file_copied");
     }
     return sync_folder(part);
   });

@@ -80,6 +80,8 @@ constexpr std::int64_t kBytesMost = std::int64_t{1} << 60;
 constexpr std::int64_t kDaysMost = 36'500;
 
 constexpr std::array kNumbers{
+    NumberOption{"--check-seconds", 0, kDaysMost * 86'400,
+                 [](Config& config, std::int64_t n) { config.check_seconds = n; }},
     NumberOption{"--worker-threads", 1, 1024,
                  [](Config& config, std::int64_t n) { config.worker_threads = static_cast<unsigned>(n); }},
     NumberOption{
@@ -245,6 +247,9 @@ usage: keylume-server --data DIR [options]
                           is removed
   --max-blob-bytes N      of all blobs together; default 8589934592
   --blob-hours N          that a blob is kept without being used; default 24
+  --check-seconds N       how often the database and the files of jobs are checked, in the background: a share of the
+                          files each time, for a 24th of N at most; 0: never; default 86400. What is damaged is
+                          refused, logged, and told by /readyz and /metrics
   --rate-limit N          requests per second of one token or address, 0 for no limit; default: none where only
                           this machine can reach HOST, else 50
   --public-host NAME      a name by which browsers may ask for the service, without a port; may be given several

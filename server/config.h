@@ -36,6 +36,7 @@ struct Config {
   std::int64_t queued_per_owner_max = 10'000;
   std::int64_t stored_bytes_max = INT64_MAX;            ///< of all jobs and their results
   std::int64_t stored_bytes_per_owner_max = INT64_MAX;  ///< of those of one token
+  std::int64_t check_seconds = 24 * 3600;               ///< from one integrity check to the next; 0: never
   std::optional<double> requests_per_second;  ///< of one token or address; 0: no limit; none: see rate_limit
   std::int64_t blob_bytes_max = std::int64_t{8} << 30;  ///< of all blobs together
   std::int64_t blob_hours = 24;                         ///< that a blob is kept without being used

@@ -150,6 +150,7 @@ int run(const Config& config) {
   EventHub hub(**events);
   HttpMetrics http_metrics;
   JobMetrics job_metrics;
+  IntegrityCheck integrity(**store, *folder, integrity_rules(config));
   Router router, ops_router;
   add_job_routes(router, jobs);
   ViewService views(jobs, *folder, view_rules(config));
@@ -174,6 +175,7 @@ int run(const Config& config) {
                            hub,
                            http_metrics,
                            job_metrics,
+                           [&integrity] { return integrity.report(); },
                            [&http] { return http.uploads(); },
                            [&config] { return start_worker_once(config.worker); }};
   for (Router* each : {&router, &ops_router}) {
@@ -193,6 +195,7 @@ int run(const Config& config) {
   Supervisor supervisor(jobs, *bell, worker_rules(config));
   if (const api::Status started = supervisor.start(); !started)
     return refuse_command(started.error(), kExitFailed);
+  integrity.start();
   log_line("listening on http://" + config.host + ":" + std::to_string(http.port()) + ", data in " +
            config.data.string() + ", worker " + config.worker.string());
   if (*ops_http)
@@ -204,6 +207,7 @@ int run(const Config& config) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  server::hold_standard_descriptors();
   const std::vector<std::string_view> words(argv + (argc > 0 ? 1 : 0), argv + argc);
   if (const auto exit_code = server::run_command(words)) return *exit_code;
   const auto command = server::parse_command_line(words);

@@ -46,6 +46,14 @@ ViewRules view_rules(const Config& config) {
   return rules;
 }
 
+IntegrityRules integrity_rules(const Config& config) {
+  constexpr int kShareOfTime = 24;  // an hour a day
+  IntegrityRules rules;
+  rules.every = std::chrono::seconds(config.check_seconds);
+  rules.time_max = rules.every / kShareOfTime;
+  return rules;
+}
+
 WorkerRules worker_rules(const Config& config) {
   WorkerRules rules;
   rules.program = config.worker;

@@ -7,6 +7,7 @@
 #include "server/auth/token_folder.h"
 #include "server/config.h"
 #include "server/http/http_server.h"
+#include "server/jobs/integrity_check.h"
 #include "server/jobs/job_service.h"
 #include "server/workers/doorbell.h"
 #include "server/workers/supervisor.h"
@@ -16,6 +17,7 @@ namespace server {
 
 JobRules job_rules(const Config& config, const Doorbell& bell);
 ViewRules view_rules(const Config& config);
+IntegrityRules integrity_rules(const Config& config);
 WorkerRules worker_rules(const Config& config);
 HttpRules http_rules(const Config& config);
 /// Of the second listener.

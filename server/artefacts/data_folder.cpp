@@ -12,6 +12,8 @@
 #include <system_error>
 #include <vector>
 
+#include "api/fault_point.h"
+
 namespace server {
 namespace {
 
@@ -86,9 +88,20 @@ api::Status DataFolder::remove_leftovers(std::span<const std::string> ids_with_r
     for (const auto& entry : *entries) {
       if (parent == jobs() && known.contains(entry.filename().string())) continue;
       if (api::Status removed = remove_tree(entry); !removed) status = std::move(removed);
+      api::fault_point("leftover_removed");
     }
   }
   return status;
+}
+
+api::Status has_room(const std::filesystem::path& folder) {
+  const auto free = free_bytes(folder);
+  if (!free) return free.error();
+  if (*free < kRoomBytesMin)
+    return api::Error{api::Fault::disk_full, "the disk is full: " + std::to_string(*free) +
+                                                 " bytes are free, " + std::to_string(kRoomBytesMin) +
+                                                 " are needed"};
+  return api::Done{};
 }
 
 api::Result<std::int64_t> free_bytes(const std::filesystem::path& folder) {

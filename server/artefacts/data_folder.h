@@ -8,6 +8,7 @@
 //                        worker.log
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -39,6 +40,11 @@ class DataFolder {
   std::filesystem::path root_;
   FileHandle lock_;
 };
+
+/// Kept free for the database, and for jobs that run: with less, nothing new is taken or begun.
+inline constexpr std::int64_t kRoomBytesMin = 64 << 20;
+/// Errors: disk_full where less is free on the file system of `folder`, saying how much; internal.
+api::Status has_room(const std::filesystem::path& folder);
 
 /// Bytes free for us on the file system of `folder`.
 api::Result<std::int64_t> free_bytes(const std::filesystem::path& folder);

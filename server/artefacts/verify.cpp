@@ -41,26 +41,14 @@ api::Error bad(const ClaimedFile& file, std::string_view what) {
   return {api::Fault::invalid_request, "artefact '" + file.path + "' " + std::string(what)};
 }
 
-api::Status verify_file(const std::filesystem::path& folder, const ClaimedFile& file) {
-  const auto opened = open_below(folder, file.path);
-  if (!opened) return bad(file, "cannot be opened: " + opened.error().message);
-  const auto size = size_of(*opened);
-  if (!size) return size.error();
-  if (*size != file.bytes)
-    return bad(file, "has " + std::to_string(*size) + " bytes, not " + std::to_string(file.bytes));
-  const auto hash = sha256_of(*opened);
-  if (!hash) return hash.error();
-  if (*hash != file.sha256) return bad(file, "has another SHA-256 than the manifest says");
-  return api::Done{};
-}
-
 }  // namespace
 
-api::Result<std::string> sha256_of(const FileHandle& file) {
+api::Result<std::string> sha256_of(const FileHandle& file, const std::atomic<bool>& stopping) {
   Digest digest = new_digest();
   if (!digest) return api::Error{api::Fault::internal, "SHA-256 is not available"};
   const auto piece = std::make_unique<std::array<char, kPieceBytes>>();
   for (off_t offset = 0;;) {
+    if (stopping) return api::Error{api::Fault::stopped, "stopped while a file was read"};
     const ssize_t count = ::pread(file.get(), piece->data(), piece->size(), offset);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return file_error("read", errno);
@@ -75,6 +63,20 @@ std::string sha256_of(std::string_view bytes) {
   if (!digest) return {};
   EVP_DigestUpdate(digest.get(), bytes.data(), bytes.size());
   return hexadecimal(digest);
+}
+
+api::Status verify_file(const std::filesystem::path& folder, const ClaimedFile& file,
+                        const std::atomic<bool>& stopping) {
+  const auto opened = open_below(folder, file.path);
+  if (!opened) return bad(file, "cannot be opened: " + opened.error().message);
+  const auto size = size_of(*opened);
+  if (!size) return size.error();
+  if (*size != file.bytes)
+    return bad(file, "has " + std::to_string(*size) + " bytes, not " + std::to_string(file.bytes));
+  const auto hash = sha256_of(*opened, stopping);
+  if (!hash) return hash.error();
+  if (*hash != file.sha256) return bad(file, "has another SHA-256 than the manifest says");
+  return api::Done{};
 }
 
 api::Status verify_files(const std::filesystem::path& folder, const std::vector<ClaimedFile>& files) {

@@ -1,6 +1,7 @@
 // Is what a worker says it left behind really there?
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -17,9 +18,16 @@ struct ClaimedFile {
   std::string sha256;  ///< lower-case hexadecimal
 };
 
+inline const std::atomic<bool> kNeverStops = false;
+
 /// SHA-256 of the file from its start, lower-case hexadecimal; read in pieces, never held whole.
-api::Result<std::string> sha256_of(const FileHandle& file);
+/// Fault::stopped soon after `stopping` turns true.
+api::Result<std::string> sha256_of(const FileHandle& file, const std::atomic<bool>& stopping = kNeverStops);
 std::string sha256_of(std::string_view bytes);
+
+/// One of them, as verify_files says. Errors: also stopped.
+api::Status verify_file(const std::filesystem::path& folder, const ClaimedFile& file,
+                        const std::atomic<bool>& stopping = kNeverStops);
 
 /// Every file exists below `folder` as a regular file under a plain relative path, with that size and hash,
 /// and no path comes twice. Errors: invalid_request naming the first file that does not. The worker has

@@ -168,6 +168,7 @@ std::string queue_json(const QueueReport& report) {
   return api::json_text(
       {{"paused", report.queue.paused},
        {"reason", report.queue.reason.empty() ? Json(nullptr) : Json(report.queue.reason)},
+       {"held", report.held.empty() ? Json(nullptr) : Json(report.held)},
        {"changed_at", report.queue.changed_ms > 0 ? Json(utc_text(report.queue.changed_ms)) : Json(nullptr)},
        {"jobs", std::move(jobs)},
        {"workers",

@@ -7,14 +7,12 @@
 #include "api/json/json_text.h"
 #include "server/http/problem.h"
 #include "server/http/routes.h"
+#include "server/log.h"
 
 namespace server {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-
-// As the refusal of uploads for want of room: what the database and running jobs need.
-constexpr std::int64_t kReservedBytes = 64 << 20;
 
 /// The result of a check that strangers may ask for, asked for itself now and then only.
 class Remembered {
@@ -42,19 +40,10 @@ class Remembered {
   std::string trouble_;
 };
 
-api::Status has_room(const DataFolder& folder) {
-  const auto free = free_bytes(folder.uploads());
-  if (!free) return free.error();
-  if (*free < kReservedBytes)
-    return api::Error{api::Fault::disk_full, std::to_string(*free) + " bytes are free, " +
-                                                 std::to_string(kReservedBytes) + " are needed"};
-  return api::Done{};
-}
-
 struct Readiness {
   explicit Readiness(const OpsSources& sources)
       : database([&store = sources.store] { return store.can_write(); }, std::chrono::seconds(1)),
-        disk([&folder = sources.folder] { return has_room(folder); }, std::chrono::seconds(1)),
+        disk([&folder = sources.folder] { return has_room(folder.uploads()); }, std::chrono::seconds(1)),
         worker(sources.start_worker, std::chrono::seconds(10)) {}
 
   Remembered database;
@@ -62,8 +51,14 @@ struct Readiness {
   Remembered worker;
 };
 
+std::string text_of(const IntegrityReport& integrity) {
+  if (!integrity.database.empty()) return "the database is damaged; the log says how";
+  if (integrity.damaged_files == 0) return "ok";
+  return std::to_string(integrity.damaged_files) + " files of jobs are damaged; the log names them";
+}
+
 /// GET /readyz, operationId getReadiness.
-HttpAnswer readiness_answer(Readiness& readiness) {
+HttpAnswer readiness_answer(Readiness& readiness, const IntegrityReport& integrity) {
   bool ready = true;
   api::Json checks;
   for (const auto& [name, check] : {std::pair<const char*, Remembered*>{"database", &readiness.database},
@@ -73,6 +68,9 @@ HttpAnswer readiness_answer(Readiness& readiness) {
     ready = ready && trouble.empty();
     checks[name] = trouble.empty() ? "ok" : trouble;
   }
+  // Other jobs can be rendered whatever one file looks like; on a damaged database nothing is to be built.
+  ready = ready && integrity.database.empty();
+  checks["integrity"] = text_of(integrity);
   HttpAnswer answer =
       json_answer(api::json_text({{"status", ready ? "ready" : "not_ready"}, {"checks", std::move(checks)}}),
                   ready ? 200 : 503);
@@ -124,8 +122,32 @@ void write_service(PrometheusText& text, const OpsSources& sources) {
   }
   text.family("keylume_sqlite_wal_bytes", "gauge", "Of the database's write-ahead log.");
   text.sample(static_cast<double>(bytes_of(sources.folder.database().string() + "-wal")));
+  text.family("keylume_log_lines_lost_total", "counter",
+              "Lines that standard error did not take: a full disk, or nobody reads.");
+  text.sample(static_cast<double>(log_lines_lost()));
   text.family("keylume_build_info", "gauge", "1; the version is in the label.");
   text.sample(1, {{"version", KEYLUME_VERSION}});
+}
+
+void write_integrity(PrometheusText& text, const IntegrityReport& integrity) {
+  const auto one = [&](std::string_view name, std::string_view kind, std::string_view help, double value) {
+    text.family(name, kind, help);
+    text.sample(value);
+  };
+  one("keylume_integrity_check_timestamp_seconds", "gauge",
+      "When the last check of database and files ended; 0: not yet.",
+      static_cast<double>(integrity.ended_ms) / 1000.0);
+  one("keylume_integrity_round_timestamp_seconds", "gauge",
+      "When the last file of all had been looked at; 0: not yet.",
+      static_cast<double>(integrity.round_ms) / 1000.0);
+  one("keylume_integrity_damaged_files", "gauge", "Files of jobs that are no longer what they were.",
+      static_cast<double>(integrity.damaged_files));
+  one("keylume_integrity_database_findings", "gauge", "What the last check found wrong with the database.",
+      static_cast<double>(integrity.database.size()));
+  one("keylume_integrity_checked_files_total", "counter", "Files looked at.",
+      static_cast<double>(integrity.files));
+  one("keylume_integrity_checked_bytes_total", "counter", "Their bytes.",
+      static_cast<double>(integrity.bytes));
 }
 
 /// GET /metrics, operationId getMetrics.
@@ -144,13 +166,15 @@ std::string metrics_text(const OpsSources& sources) {
   write_jobs(text, sources);
   sources.http.write(text);
   write_service(text, sources);
+  write_integrity(text, sources.integrity());
   return text.text();
 }
 
 void add_ops_routes(Router& router, OpsSources sources) {
   const auto readiness = std::make_shared<Readiness>(sources);
-  router.add("GET", "/readyz",
-             [readiness](const auto&, const auto&) { return readiness_answer(*readiness); });
+  router.add("GET", "/readyz", [readiness, integrity = sources.integrity](const auto&, const auto&) {
+    return readiness_answer(*readiness, integrity());
+  });
   router.add("GET", "/metrics",
              [sources = std::move(sources)](const auto&, const auto&) { return metrics_answer(sources); });
 }

@@ -12,6 +12,7 @@
 #include "server/artefacts/data_folder.h"
 #include "server/events/event_hub.h"
 #include "server/http/router.h"
+#include "server/jobs/integrity_check.h"
 #include "server/jobs/job_service.h"
 #include "server/metrics/http_metrics.h"
 #include "server/metrics/job_metrics.h"
@@ -26,6 +27,7 @@ struct OpsSources {
   EventHub& hub;
   HttpMetrics& http;
   JobMetrics& job_times;
+  std::function<IntegrityReport()> integrity = [] { return IntegrityReport{}; };
   std::function<std::size_t()> uploads = [] { return std::size_t{0}; };  ///< under way
   std::function<api::Status()> start_worker = [] {
     return api::Status(api::Done{});

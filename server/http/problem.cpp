@@ -5,6 +5,7 @@
 
 #include "api/json/json_text.h"
 #include "server/log.h"
+#include "server/store/job_store.h"
 
 namespace server {
 namespace {
@@ -74,7 +75,9 @@ HttpAnswer problem(const api::Error& error, std::string_view instance) {
   const int status = status_of(error.fault);
   const bool disk_full = error.fault == api::Fault::disk_full;
   if (status == 500 || disk_full) log_line(std::string(instance) + ": " + error.message);
-  // Paths, SQL and the like are for the operator, not for whoever asks.
+  // Whoever asks for a damaged file is told so; other paths, SQL and the like are for the operator.
+  const bool damaged = !error.violations.empty() && error.violations.front().code == kDamagedFile;
+  if (damaged) return problem_answer(error, status, instance);
   if (status == 500)
     return problem_answer({error.fault, "something failed inside the service; its log says what"}, status,
                           instance);

@@ -75,7 +75,11 @@ void add_job_route(Router& router, JobService& jobs, std::string method, std::st
                const auto job = jobs.job(values.at("id"));
                if (!job) return problem(job.error(), request.path);
                jobs.use(*job);
-               return handler(jobs, *job, request, values);
+               HttpAnswer answer = handler(jobs, *job, request, values);
+               if (answer.status != 500) return answer;
+               // Removed while it was looked at: that its files were missing is no failure of ours.
+               const auto still = jobs.job(job->id);
+               return still ? answer : problem(still.error(), request.path);
              });
 }
 

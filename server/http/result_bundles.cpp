@@ -20,7 +20,10 @@ namespace {
 /// GET .../radiosity.npz, operationId getRadiosityNpz.
 HttpAnswer radiosity_npz(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues&) {
   if (const api::Status here = must_have_results(job); !here) return problem(here.error(), request.path);
-  const auto artefacts = jobs.artefacts(job, "radiosity*.npy");
+  constexpr std::string_view kValues = "radiosity*.npy";
+  if (const api::Status whole = jobs.must_be_whole(job, kValues); !whole)
+    return problem(whole.error(), request.path);
+  const auto artefacts = jobs.artefacts(job, kValues);
   if (!artefacts) return problem(artefacts.error(), request.path);
   std::vector<NpzEntry> entries;
   std::string hashes;
@@ -98,6 +101,7 @@ TarEntry text_entry(std::string path, std::string text) {
 
 /// GET .../results.tar, operationId getResultsTar.
 HttpAnswer results_tar(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues&) {
+  if (const api::Status whole = jobs.must_be_whole(job); !whole) return problem(whole.error(), request.path);
   const auto reproduction = reproduction_of(jobs, job);
   if (!reproduction) return problem(reproduction.error(), request.path);
   const std::string& top = job.id;

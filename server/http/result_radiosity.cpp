@@ -45,6 +45,7 @@ api::Result<std::shared_ptr<Values>> values_of(JobService& jobs, const Job& job)
   values->radiosity = std::move(*file);
   values->etag = radiosity->sha256;
   const auto errors = jobs.artefact(job, kStandardErrors);
+  if (!errors && errors.error().fault != api::Fault::not_found) return errors.error();
   if (!errors) return values;
   auto error_file = open_values(jobs, job, errors->path);
   if (!error_file) return error_file.error();

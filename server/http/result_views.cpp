@@ -25,6 +25,12 @@ std::string file_for_client(std::string_view file) {
   return std::to_string(frame) + std::string(file.substr(dot));
 }
 
+/// Why something waits although it was tried already; empty: its turn has not come.
+std::string waits_for(MadeState state, const api::Error& error) {
+  if (state != MadeState::waiting || error.fault != api::Fault::disk_full) return {};
+  return "the disk of the service is full; it is made when there is room";
+}
+
 Json json_of(const Job& job, const View& view, bool with_files) {
   Json json{{"id", view.name}, {"state", name_of(view.state)}};
   if (const auto request = api::parse_json(view.request_json, "view.json")) json["request"] = Json(*request);
@@ -34,6 +40,7 @@ Json json_of(const Job& job, const View& view, bool with_files) {
                         : view.error.message;
     json["errors"] = api::errors_json(view.error.violations);
   }
+  if (const std::string why = waits_for(view.state, view.error); !why.empty()) json["error"] = why;
   if (with_files && view.state == MadeState::ready) {
     Json files = Json::array();
     for (const ArtefactFile& file : view.files)
@@ -139,7 +146,9 @@ HttpAnswer video(ViewService& views, JobService& jobs, const Job& job, const Htt
   const auto made = views.ask_video(job, camera, extension);
   if (!made) return problem(made.error(), request.path);
   if (made->state != MadeState::ready) {
-    HttpAnswer answer = json_answer(api::json_text({{"state", name_of(made->state)}}), 202);
+    Json json{{"state", name_of(made->state)}};
+    if (const std::string why = waits_for(made->state, made->error); !why.empty()) json["error"] = why;
+    HttpAnswer answer = json_answer(api::json_text(json), 202);
     answer.headers.emplace_back("Retry-After", kRetryAfterSeconds);
     return answer;
   }

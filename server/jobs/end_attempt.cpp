@@ -24,8 +24,24 @@ std::string with_log(const AttemptOutcome& outcome) {
 
 }  // namespace
 
+// A worker that is started on a full disk only writes until it fails, and each try makes the wait for the
+// next one longer, until the job is given up. So none is.
+api::Result<bool> JobService::is_held() {
+  const api::Status room = has_room(folder_.jobs());
+  const bool full = !room && room.error().fault == Fault::disk_full;
+  const std::lock_guard lock(state_);
+  if (full == held_) return full;
+  if (!full)
+    if (const api::Status forgotten = store_.forget_waiting_times(); !forgotten) return forgotten.error();
+  log_line(full ? "no job is started: " + room.error().message : "there is room on the disk; jobs go on");
+  return held_ = full;
+}
+
 api::Result<std::optional<Claim>> JobService::claim(const Room& room) {
   if (const api::Status failed = fail_overdue(); !failed) return failed.error();
+  const auto held = is_held();
+  if (!held) return held.error();
+  if (*held) return std::optional<Claim>();
   auto claim = store_.claim(room);
   if (claim && *claim) tell_change();
   return claim;
@@ -61,12 +77,12 @@ api::Status JobService::end_attempt(const Lease& lease, const AttemptOutcome& ou
     if (!again) return again.error();
     settled = settle(*again, lease, outcome);
   }
-  record_bytes(*job);
   tell_change();
   return settled;
 }
 
-// For quotas, which may be a little behind: no reason for an attempt not to end.
+// Before the step that ends the attempt: who sees a job that has finished sees all of it, and its version
+// stays. For quotas, which may be a little behind: no reason for an attempt not to end.
 void JobService::record_bytes(const Job& job) {
   const api::Status recorded = store_.record_bytes(job.seq, size_of_folder(folder_of(job)).bytes);
   if (!recorded) log_line(job.id + ": its size cannot be recorded: " + recorded.error().message);
@@ -81,6 +97,8 @@ void JobService::forget_checkpoint(const Job& job) const {
 
 api::Status JobService::settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
   // The checkpoint stays, also of a job that is canceled or has failed: it may be tried again.
+  const bool folder_changes = outcome.kind == OutcomeKind::done || outcome.kind == OutcomeKind::disk_full;
+  if (job.state == JobState::cancel_requested || !folder_changes) record_bytes(job);
   if (job.state == JobState::cancel_requested) return store_.finish_cancel(lease, outcome.end);
   const StepReason why{outcome.reason, with_log(outcome)};
   switch (outcome.kind) {
@@ -111,6 +129,7 @@ api::Status JobService::succeed(const Job& job, const Lease& lease, const Attemp
   const std::filesystem::path folder = folder_.job(job.id);
   const auto results = collect_results(folder, job.frame_count);
   if (results) forget_checkpoint(job);
+  record_bytes(job);
   api::fault_point("results_collected");
   api::Status kept = results ? store_.succeed(lease, *results, api::job_report_json(read_report(folder)))
                              : api::Status(results.error());
@@ -135,6 +154,7 @@ api::Status JobService::wait_for_room_or_fail(const Job& job, const Lease& lease
   forget_checkpoint(job);
   const api::Status removed = remove_tree(folder_.job(job.id) / "artefacts");
   if (!removed) log_line(job.id + ": " + removed.error().message);
+  record_bytes(job);
   const std::string message = with_log(outcome);
   if (*earlier + 1 >= rules_.disk_full_attempts_max)
     return store_.fail(

@@ -87,6 +87,7 @@ api::Status JobService::remove(std::string_view id) {
   const std::lock_guard lock(removing_);
   if (api::Status begun = store_.begin_removal(id); !begun) return begun;
   api::fault_point("removal_marked");
+  end_making_(std::string(id));
   return remove_files_and_row(std::string(id));
 }
 

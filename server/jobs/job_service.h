@@ -68,6 +68,7 @@ struct QueueReport {
   std::map<api::JobState, std::int64_t> jobs;  ///< of every state, as far as the viewer sees them
   WorkerUse use;
   WorkerBudget budget;
+  std::string held = {};  ///< why nothing is started although it is not paused; empty: nothing is in the way
 };
 
 /// What a removal deletes, or would.
@@ -143,6 +144,9 @@ class JobService {
                           std::optional<std::int64_t> version);
   /// A finished job and all its files: files first, row last. Errors: not_found, wrong_state, internal.
   api::Status remove(std::string_view id);
+  /// `end` is called with the id of a job that is being removed, before its files go; once it returns nobody
+  /// makes new ones. Before jobs are removed.
+  void before_removal(std::function<void(const std::string& id)> end) { end_making_ = std::move(end); }
   /// Somebody asks for what it made: it is evicted later.
   void use(const Job& job);
   /// Something was added to its folder or removed from it. Quotas may be a little behind: errors are logged.
@@ -169,6 +173,10 @@ class JobService {
 
   // Results, for reading: job_actions.cpp.
   api::Result<ArtefactFile> artefact(const Job& job, std::string_view path);
+  /// Errors: damaged_file where one of those files is known to be damaged.
+  api::Status must_be_whole(const Job& job, std::string_view glob = "*") {
+    return store_.must_be_whole(job.seq, glob);
+  }
   /// Those whose path fits `glob`, in which * stands for anything.
   api::Result<std::vector<ArtefactFile>> artefacts(const Job& job, std::string_view glob = "*") {
     return store_.artefacts(job.seq, glob);
@@ -179,7 +187,8 @@ class JobService {
   std::filesystem::path folder_of(const Job& job) const { return folder_.job(job.id); }
 
   // For the supervisor: end_attempt.cpp.
-  /// Of the jobs whose deadline has not passed.
+  /// Of the jobs whose deadline has not passed; none while the disk is full. Once there is room again, jobs
+  /// that waited for it need wait no longer.
   api::Result<std::optional<Claim>> claim(const Room& room = {});
   /// Waiting jobs whose deadline has passed become failed; also to be asked for where there is no room to
   /// claim.
@@ -216,6 +225,7 @@ class JobService {
   api::Result<Job> wish(std::string_view id, api::JobEvent event, const StepReason& why);
   void forget_checkpoint(const Job& job) const;
   void tell_change();
+  api::Result<bool> is_held();
   api::Status settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status settle_orphan(const Orphan& orphan);
   api::Status succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
@@ -232,6 +242,7 @@ class JobService {
   std::mutex keeping_;             ///< of blobs, and of their rows
   std::int64_t measured_seq_ = 0;  ///< by the collection of garbage, which goes round
   std::mutex removing_;            ///< two removals of one job would meet half of its files
+  std::function<void(const std::string& id)> end_making_ = [](const std::string&) {};
   SubmissionKeys keys_;
 
   mutable std::mutex state_;  ///< of what follows
@@ -239,6 +250,7 @@ class JobService {
   std::uint64_t changes_ = 0;  ///< counts what may have moved a job
   std::size_t waiters_ = 0;
   bool stopping_ = false;
+  bool held_ = false;  ///< the disk was full when a job was to be started last
   WorkerUse use_;
   GarbageReport garbage_;
   std::shared_ptr<const QueuePositions> positions_;

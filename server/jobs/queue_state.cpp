@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "api/fault_point.h"
 #include "server/jobs/folder_size.h"
 #include "server/jobs/job_service.h"
 #include "server/log.h"
@@ -27,7 +28,8 @@ api::Result<QueueReport> JobService::queue(const Viewer& viewer) {
   auto counts = store_.counts(viewer.sees_all ? std::nullopt : std::optional(viewer.owner));
   if (!counts) return counts.error();
   const std::lock_guard lock(state_);
-  return QueueReport{*queue, std::move(*counts), use_, rules_.budget};
+  const api::Status room = has_room(folder_.jobs());
+  return QueueReport{*queue, std::move(*counts), use_, rules_.budget, room ? "" : room.error().message};
 }
 
 api::Result<QueueReport> JobService::pause_queue(std::string_view reason) {
@@ -120,6 +122,7 @@ api::Status JobService::collect_garbage() {
       log_line(id + " is over its time but cannot be removed: " + removed.error().message);
       continue;
     }
+    api::fault_point("expired_removed");
     log_line(id + ": removed, its time was over");
     ++jobs;
     bytes += size.bytes;

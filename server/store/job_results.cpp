@@ -110,9 +110,13 @@ api::Result<std::vector<ArtefactFile>> JobStore::artefacts(std::int64_t job_seq,
 api::Result<ArtefactFile> JobStore::artefact(std::int64_t job_seq, std::string_view path) {
   const std::lock_guard lock(mutex_);
   Statement select = database_.prepare(
-      "SELECT path, media_type, bytes, sha256 FROM artefact WHERE job_seq = ? AND path = ?");
+      "SELECT artefact.path, media_type, bytes, sha256, detail FROM artefact "
+      "LEFT JOIN damage USING(job_seq, path) WHERE artefact.job_seq = ? AND artefact.path = ?");
   select.bind(job_seq).bind(path);
-  if (select.next()) return read_artefact(select);
+  if (select.next()) {
+    if (!select.is_null(4)) return damaged_file(path, select.text(4));
+    return read_artefact(select);
+  }
   if (const api::Status ok = select.status(); !ok) return ok.error();
   return api::Error{api::Fault::not_found, "the job has no file '" + std::string(path) + "'"};
 }

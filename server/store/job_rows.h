@@ -184,6 +184,21 @@ struct ArtefactFile {
   std::string sha256;  ///< lower-case hexadecimal
 };
 
+/// What the integrity check found of one file.
+struct FileLook {
+  std::int64_t job_seq = 0;
+  std::string path;
+  std::string detail;  ///< what is wrong with it; empty: nothing
+};
+
+/// How far the integrity check has come, across restarts.
+struct IntegrityState {
+  std::int64_t ended_ms = 0;   ///< when the last share was done; 0: none was yet
+  std::int64_t round_ms = 0;   ///< when all files had been looked at last; 0: not yet
+  std::int64_t after_seq = 0;  ///< the next share begins after this file
+  std::string after_path = {};
+};
+
 /// What a successful attempt leaves, committed in one transaction with the step to `succeeded`.
 struct Results {
   std::vector<ArtefactFile> artefacts;

@@ -27,6 +27,10 @@ std::int64_t system_clock_ms();
 /// The error, not_found, for a job that does not exist.
 api::Error no_such_job(std::string_view id);
 
+/// Code of the violation in an error, of Fault::internal, that is told to whoever asks for a damaged file.
+inline constexpr std::string_view kDamagedFile = "damaged_file";
+api::Error damaged_file(std::string_view path, std::string_view detail);
+
 /// Where a job goes and why.
 struct StepReason {
   std::string reason;   ///< stable word
@@ -148,8 +152,17 @@ class JobStore {
   api::Result<std::vector<Attempt>> attempts(std::int64_t job_seq);
   api::Result<std::vector<Event>> events(std::int64_t job_seq);
   api::Result<std::vector<ArtefactFile>> artefacts(std::int64_t job_seq, std::string_view glob = "*");
+  /// Errors: not_found; damaged_file where it is known to be damaged.
   api::Result<ArtefactFile> artefact(std::int64_t job_seq, std::string_view path);
   api::Result<std::vector<api::FrameRecord>> frames(std::int64_t job_seq);
+
+  // Files that are no longer what they were: job_damage.cpp.
+  /// Errors: damaged_file where one of the job's files that fit `glob` is known to be damaged.
+  api::Status must_be_whole(std::int64_t job_seq, std::string_view glob);
+  api::Status record_look(const FileLook& look);
+  api::Result<std::int64_t> count_damaged();
+  api::Result<IntegrityState> integrity();
+  api::Status keep_integrity(const IntegrityState& state);
 
  private:
   struct Step {

@@ -63,12 +63,19 @@ api::Result<std::vector<std::string>> damage_of(Database& database) {
 }
 
 api::Result<std::vector<KeptFile>> kept_files(Database& database) {
+  return kept_files_after(database, 0, "", -1);  // SQLite takes a negative limit for none
+}
+
+api::Result<std::vector<KeptFile>> kept_files_after(Database& database, std::int64_t after_seq,
+                                                    std::string_view after_path, std::int64_t limit) {
   Statement select = database.prepare(
-      "SELECT job.id, artefact.path, artefact.bytes, artefact.sha256 FROM artefact JOIN job ON job.seq = "
-      "job_seq WHERE removing = 0 "
-      "ORDER BY job_seq, path");
+      "SELECT job_seq, job.id, artefact.path, artefact.bytes, artefact.sha256 FROM artefact "
+      "JOIN job ON job.seq = job_seq WHERE removing = 0 AND (job_seq, artefact.path) > (?, ?) "
+      "ORDER BY job_seq, artefact.path LIMIT ?");
+  select.bind(after_seq).bind(after_path).bind(limit);
   std::vector<KeptFile> files;
-  while (select.next()) files.push_back({select.text(0), select.text(1), select.integer(2), select.text(3)});
+  while (select.next())
+    files.push_back({select.integer(0), select.text(1), select.text(2), select.integer(3), select.text(4)});
   if (const api::Status ok = select.status(); !ok) return ok.error();
   return files;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "api/result.h"
@@ -20,12 +21,16 @@ api::Result<std::vector<std::string>> damage_of(Database& database);
 
 /// A job's file, as the database knows it.
 struct KeptFile {
+  std::int64_t job_seq = 0;
   std::string job_id;
   std::string path;  ///< relative to the job's artefacts/ folder
   std::int64_t bytes = 0;
   std::string sha256;
 };
 api::Result<std::vector<KeptFile>> kept_files(Database& database);
+/// At most `limit`, by job and path, beginning after (`after_seq`, `after_path`).
+api::Result<std::vector<KeptFile>> kept_files_after(Database& database, std::int64_t after_seq,
+                                                    std::string_view after_path, std::int64_t limit);
 
 /// The blobs that somebody has, by their hashes; none in a database of before they had owners.
 api::Result<std::vector<std::string>> kept_blobs(Database& database);

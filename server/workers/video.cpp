@@ -16,6 +16,15 @@ namespace server {
 namespace {
 
 constexpr std::size_t kSumBytes = 64;
+constexpr std::int64_t kRoomBytes = 1 << 20;  // with less than that any write may have failed
+
+api::Error failure_of(const ChildOutcome& outcome, const std::filesystem::path& folder) {
+  const auto free = free_bytes(folder);
+  const bool full = outcome.log_tail.find("No space left on device") != std::string::npos;
+  if (full || (free && *free < kRoomBytes))
+    return {api::Fault::disk_full, "the disk is full: " + outcome.log_tail};
+  return {api::Fault::internal, "ffmpeg failed: " + outcome.log_tail};
+}
 
 /// In the name of a sequence of pictures % begins a number.
 std::string without_percent(const std::string& path) {
@@ -108,8 +117,7 @@ api::Status ViewService::make_video(const Job& job, const std::string& camera, c
   const auto outcome = run_child(task, stopping);
   const auto finish = [&]() -> api::Status {
     if (!outcome) return outcome.error();
-    if (outcome->end.exit_code != 0)
-      return api::Error{api::Fault::internal, "ffmpeg failed: " + outcome->log_tail};
+    if (outcome->end.exit_code != 0) return failure_of(*outcome, folder);
     const auto made = open_below(folder, temporary.filename().string());
     if (!made) return made.error();
     const auto hash = sha256_of(*made);
@@ -128,6 +136,8 @@ api::Result<Video> ViewService::ask_video(const Job& job, const std::string& cam
                                           const std::string& extension) {
   Video video;
   video.file = camera + "." + extension;
+  const std::lock_guard lock(mutex_);
+  if (const auto still = jobs_.job(job.id); !still) return still.error();
   if (const auto hash = read_below(videos_of(job), video.file + ".sha256", kSumBytes)) {
     const auto file = open_below(videos_of(job), video.file);
     if (!file) return api::Error{api::Fault::internal, file.error().message};
@@ -138,6 +148,8 @@ api::Result<Video> ViewService::ask_video(const Job& job, const std::string& cam
     video.bytes = *bytes;
     return video;
   }
+  if (const api::Status whole = jobs_.must_be_whole(job, "images/" + camera + "/*"); !whole)
+    return whole.error();
   if (!has_ffmpeg())
     return api::Error{api::Fault::out_of_resources,
                       "this server makes no videos: ffmpeg is not installed beside it"};
@@ -153,6 +165,7 @@ api::Result<Video> ViewService::ask_video(const Job& job, const std::string& cam
   });
   if (!asked) return asked.error();
   video.state = look.state == Maker::State::making ? MadeState::making : MadeState::waiting;
+  if (look.state == Maker::State::waiting) video.error = look.error;
   return video;
 }
 

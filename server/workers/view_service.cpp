@@ -99,7 +99,17 @@ std::string view_name(const api::ViewRequest& request) {
 }
 
 ViewService::ViewService(JobService& jobs, const DataFolder& folder, ViewRules rules)
-    : jobs_(jobs), folder_(folder), rules_(std::move(rules)), maker_(rules_.at_once, rules_.waiting_max) {}
+    : jobs_(jobs), folder_(folder), rules_(std::move(rules)), maker_(rules_.at_once, rules_.waiting_max) {
+  jobs_.before_removal([this](const std::string& job_id) { end_all_of(job_id); });
+}
+
+void ViewService::end_all_of(const std::string& job_id) {
+  // Who was asking has asked by now; who asks from now on finds no job.
+  { const std::lock_guard lock(mutex_); }
+  maker_.end_all(job_id + "/");
+  const std::lock_guard lock(mutex_);
+  std::erase_if(verified_, [&](const auto& view) { return view.first.starts_with(job_id + "/"); });
+}
 
 void ViewService::take_up_again() {
   std::error_code failed;
@@ -122,6 +132,12 @@ api::Status ViewService::make_view(const std::string& job_id, const std::string&
   const auto job = jobs_.job(job_id);
   if (!job) return job.error();
   const std::filesystem::path folder = jobs_.folder_of(*job), views = views_of(*job);
+  // From wrong radiosity come wrong pictures.
+  for (const char* read : {"radiosity*", "patches*"})
+    if (api::Status whole = jobs_.must_be_whole(*job, read); !whole) {
+      remove_quietly(views / (name + ".json"));
+      return whole;
+    }
   ChildTask task;
   task.program = rules_.program;
   task.arguments = {"view",        folder.string(),
@@ -143,12 +159,12 @@ api::Status ViewService::make_view(const std::string& job_id, const std::string&
     if (!files) status = api::Error{api::Fault::internal, files.error().message};
   }
   remove_quietly(views / (name + ".report.json"));
-  // What the server stops is still promised; what has failed is not.
+  // What the server stops is still promised, and what waits for room; what has failed is not.
   if (status) jobs_.record_bytes(*job);
   if (status || status.error().fault == api::Fault::stopped) return status;
   remove_quietly(views / (".tmp." + name));
   remove_quietly(views / name);
-  remove_quietly(views / (name + ".json"));
+  if (status.error().fault != api::Fault::disk_full) remove_quietly(views / (name + ".json"));
   return status;
 }
 
@@ -176,6 +192,7 @@ api::Result<View> ViewService::ask(const Job& job, const api::ViewRequest& reque
   const std::string name = view_name(request);
   {
     const std::lock_guard lock(mutex_);
+    if (const auto still = jobs_.job(job.id); !still) return still.error();
     if (!std::filesystem::exists(views_of(job) / name)) {
       // How large it will be is not known; who is over the quota makes no more.
       if (auto room = jobs_.within_quota(job.owner, 1); !room) return room.error();
@@ -198,7 +215,7 @@ api::Result<View> ViewService::view(const Job& job, std::string_view name) {
   const auto request = read_below(views_of(job), view.name + ".json", api::kViewBytesMax);
   if (request) view.request_json = *request;
   const Maker::Look look = maker_.look(key_of(job.id, name));
-  if (look.state == Maker::State::waiting) view.state = MadeState::waiting;
+  if (look.state == Maker::State::waiting) view.state = MadeState::waiting, view.error = look.error;
   if (look.state == Maker::State::making) view.state = MadeState::making;
   if (look.state == Maker::State::failed) view.state = MadeState::failed, view.error = look.error;
   if (view.state != MadeState::none) return view;

@@ -45,7 +45,7 @@ struct View {
   MadeState state = MadeState::none;
   std::string request_json;         ///< canonical
   std::vector<ArtefactFile> files;  ///< of a view that is ready, paths within its folder
-  api::Error error = {};            ///< of one that has failed
+  api::Error error = {};            ///< of one that has failed, or waits for room on the disk
 };
 
 struct Video {
@@ -53,7 +53,7 @@ struct Video {
   std::string file;  ///< below videos/, when it is ready
   std::string sha256;
   std::int64_t bytes = 0;
-  api::Error error = {};
+  api::Error error = {};  ///< of one that waits for room on the disk
 };
 
 /// What a view is called: by the hash of its canonical JSON, so that the same request is the same view.
@@ -73,6 +73,8 @@ class ViewService {
   api::Result<View> ask(const Job& job, const api::ViewRequest& request);
   /// Errors: not_found.
   api::Result<View> view(const Job& job, std::string_view name);
+  /// Ends what is being made of a job that nobody sees any more, and takes no more orders for it.
+  void end_all_of(const std::string& job_id);
   /// By name.
   std::vector<std::string> names(const Job& job) const;
   /// Errors: not_found; wrong_state while it is being made.

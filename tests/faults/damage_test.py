@@ -9,18 +9,11 @@ import unittest
 from pathlib import Path
 
 from service import SERVER, ServiceTestCase, free_port, wait_until
+from small_disk import mounted
 from small_jobs import write_job
 
 PAGE_BYTES = 4096
 JOB = {"frames": 3, "line_count": 20_000, "moving_line_count": 10_000, "patch_edge_m": 1.5, "samples_per_light": 1}
-
-
-def mounted(folder, *options):
-    """A small file system of its own at `folder`; False where that is not allowed."""
-    folder.mkdir(parents=True, exist_ok=True)
-    made = subprocess.run(["mount", "-t", "tmpfs", "-o", ",".join(options), "none", str(folder)],
-                          capture_output=True, check=False)
-    return made.returncode == 0
 
 
 class Damage(ServiceTestCase):
@@ -108,50 +101,6 @@ class Damage(ServiceTestCase):
         self.assertNotEqual(ended.returncode, 0)
         self.assertIn("Read-only file system", ended.stdout + ended.stderr)
         self.assertIn(str(mount / "data"), ended.stdout + ended.stderr)
-
-
-class DiskFull(ServiceTestCase):
-    def setUp(self):
-        super().setUp()
-        self.mount = self.folder / "small"
-        if not mounted(self.mount, "size=200m"):
-            self.skipTest("no mounts here")
-        self.addCleanup(subprocess.run, ["umount", "-l", str(self.mount)], check=False)
-
-    def fill(self):
-        """Takes all room that is left. -> the file to remove"""
-        filler = self.mount / "filler"
-        with filler.open("wb", buffering=0) as file:
-            for piece in (1 << 20, 1 << 12):
-                try:
-                    while True:
-                        file.write(b"\0" * piece)
-                except OSError:
-                    pass
-        return filler
-
-    def test_an_upload_without_room_is_507_and_leaves_nothing(self):
-        service = self.service("small/data")
-        filler = self.fill()
-        answer = service.submit(write_job(self.folder / "job", **JOB))
-        self.assertEqual(answer.status, 507, answer.body)
-        self.assertEqual(service.get("/healthz").status, 200)
-        filler.unlink()
-        job_id = self.submitted(service, self.folder / "job")
-        service.wait_for(job_id, ["succeeded"], 60)
-
-    def test_a_job_waits_for_room_and_then_goes_on(self):
-        service = self.service("small/data")
-        job_id = self.submitted(service, write_job(self.folder / "job", **{**JOB, "line_count": 3_000_000}))
-        wait_until(service.worker_pids, 20, "a worker runs")
-        filler = self.fill()
-
-        # The database cannot take down what has happened: no room for that either. Reading goes on.
-        wait_until(lambda: not service.worker_pids(), 60, "the worker ends")
-        self.assertIn(service.job(job_id)["state"], ("running", "queued"))
-        self.assertEqual(service.submit(self.folder / "job").status, 507)
-        filler.unlink()
-        service.wait_for(job_id, ["succeeded"], 120)
 
 
 class Clock(ServiceTestCase):

@@ -53,6 +53,23 @@ TEST_F(JobServiceTest, TheTimeLeftIsThatOfTheWorkerAtWork) {
   EXPECT_FALSE(job(submitted.id).seconds_left) << "nobody is at it";
 }
 
+// A client that has seen the end need not look again, and what it read then is what it may change.
+TEST_F(JobServiceTest, NothingOfAJobChangesAfterItsEnd) {
+  const Job submitted = submit();
+  {
+    auto watcher = Database::open(folder_->database());
+    ASSERT_TRUE(watcher);
+    ASSERT_TRUE(
+        watcher->execute("CREATE TRIGGER too_late BEFORE UPDATE ON job WHEN OLD.finished_ms IS NOT NULL "
+                         "BEGIN SELECT RAISE(ABORT, 'the job had ended'); END"));
+  }
+  const Claim claimed = claim();
+  write_text(jobs_->folder_of(submitted) / "worker.log", std::string(12'345, 'x'));
+  ASSERT_TRUE(jobs_->end_attempt(claimed.lease, {OutcomeKind::refused, "invalid_input", "no", {2, {}}, {}}));
+  EXPECT_EQ(job(submitted.id).state, JobState::failed);
+  EXPECT_GE(job(submitted.id).bytes, 12'345) << "its size was known by then";
+}
+
 // What the next attempt goes on from is kept for as long as there may be one: a failed or canceled job can be
 // tried again.
 class CheckpointsOfAJob : public ServiceTest {

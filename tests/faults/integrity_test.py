@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""A file changes on the disk: the check that runs by itself finds it, log, metrics and /readyz tell of it, and nobody
+is given wrong bytes."""
+import json
+import unittest
+
+from service import Service, ServiceTestCase, wait_until
+from small_jobs import write_job
+
+JOB = {"frames": 2, "line_count": 20_000, "moving_line_count": 10_000, "patch_edge_m": 1.5, "samples_per_light": 1}
+
+
+class ServiceThatLooksOften(Service):
+    def command(self):
+        return [*super().command(), "--check-seconds", "1", "--log", "json"]
+
+
+class Integrity(ServiceTestCase):
+    def metric(self, service, name):
+        for line in service.get("/metrics").body.decode().splitlines():
+            if line.startswith(f"keylume_integrity_{name} "):
+                return float(line.split()[1])
+        self.fail(f"no metric {name}")
+
+    def rounds(self, service):
+        """Waits until every file has been looked at once more."""
+        since = self.metric(service, "round_timestamp_seconds")
+        wait_until(lambda: self.metric(service, "round_timestamp_seconds") > since, 30, "every file is looked at")
+
+    def running(self):
+        service = ServiceThatLooksOften(self.folder / "data")
+        self.addCleanup(service.clean_up)
+        service.start()
+        job_id = self.submitted(service, write_job(self.folder / "job", **JOB))
+        service.wait_for(job_id, ["succeeded"], 60)
+        return service, job_id
+
+    def change(self, service, job_id, path):
+        """One bit of a file, as a disk does. -> what it was"""
+        file = service.job_folder(job_id) / "artefacts" / path
+        before = file.read_bytes()
+        file.chmod(0o600)
+        file.write_bytes(before[:-1] + bytes([before[-1] ^ 1]))
+        return file, before
+
+    def expect_damaged(self, answer, path):
+        self.assertEqual(answer.status, 500, answer.body[:200])
+        self.assertEqual(answer.headers["content-type"], "application/problem+json")
+        problem = answer.json()
+        self.assertIn("damaged on the disk", problem["detail"])
+        self.assertEqual((problem["errors"][0]["code"], problem["errors"][0]["file"]), ("damaged_file", path))
+
+    def test_a_damaged_file_is_told_of_and_not_given_out(self):
+        service, job_id = self.running()
+        self.rounds(service)
+        self.assertEqual(self.metric(service, "damaged_files"), 0)
+        self.assertGreater(self.metric(service, "checked_files_total"), 3)
+        self.assertEqual(service.get("/readyz").json()["checks"]["integrity"], "ok")
+        file, before = self.change(service, job_id, "radiosity.npy")
+        wait_until(lambda: self.metric(service, "damaged_files") == 1, 30, "it is found")
+
+        lines = [json.loads(line) for line in service.log.read_text().splitlines() if line.startswith("{")]
+        self.assertTrue(any(job_id in line["message"] and "radiosity.npy" in line["message"] and
+                            "integrity check" in line["message"] for line in lines))
+        ready = service.get("/readyz")
+        self.assertEqual(ready.status, 200, "others can still be rendered")
+        self.assertIn("1 files of jobs are damaged", ready.json()["checks"]["integrity"])
+        for path in ("radiosity.npy", "frames/1/radiosity.npy", "frames/1/radiosity", "radiosity.npz",
+                     "frames/1/patches.glb", "results.tar", "artefacts/radiosity.npy"):
+            answer = service.get(f"/v1/jobs/{job_id}/{path}")
+            if answer.status != 404:  # no such route
+                self.expect_damaged(answer, "radiosity.npy")
+        self.assertEqual(service.get(f"/v1/jobs/{job_id}/patches.npz").status, 200, "the others are as they were")
+        view = {"camera": {"position": [1, 1, 1.5], "target": [3, 3, 1]}, "frames": [0], "width": 64, "height": 36}
+        asked = service.get(f"/v1/jobs/{job_id}/views", "-H", "Content-Type: application/json", "--data-binary",
+                            json.dumps(view))
+
+        def failed():
+            now = service.get(asked.headers["location"]).json()
+            return now if now["state"] == "failed" else None
+        made = wait_until(failed, 30, "no picture is made of it")
+        self.assertIn("damaged", json.dumps(made))
+
+        service.stop()
+        service.start()  # known across restarts
+        self.expect_damaged(service.get(f"/v1/jobs/{job_id}/radiosity.npy"), "radiosity.npy")
+        file.write_bytes(before)  # from a backup
+        wait_until(lambda: self.metric(service, "damaged_files") == 0, 30, "it is whole again")
+        self.assertEqual(service.get(f"/v1/jobs/{job_id}/radiosity.npy").body, before)
+
+    def test_a_picture_that_is_gone_is_damage_too(self):
+        service, job_id = self.running()
+        frame = service.get(f"/v1/jobs/{job_id}/frames/0").json()["images"][0]
+        path = next(iter(sorted((service.job_folder(job_id) / "artefacts/images").rglob("0000.png"))))
+        path.unlink()
+        wait_until(lambda: self.metric(service, "damaged_files") == 1, 30, "it is found")
+        self.expect_damaged(service.get(frame["png"]), str(path.relative_to(service.job_folder(job_id) / "artefacts")))
+        self.assertEqual(service.get(f"/v1/jobs/{job_id}", "-X", "DELETE").status, 204)
+        wait_until(lambda: self.metric(service, "damaged_files") == 0, 30, "what is removed is not damaged")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,115 @@
+// Files that changed on the disk: found a share at a time, remembered, and forgotten when they are whole
+// again.
+#include "server/jobs/integrity_check.h"
+
+#include <thread>
+
+#include "server/artefacts/verify.h"
+#include "tests/unit/server/service_fixture.h"
+
+namespace server {
+namespace {
+
+using namespace std::chrono_literals;
+
+class IntegrityTest : public ServiceTest {
+ protected:
+  /// A job that has succeeded, with these files, one byte each.
+  Job finished(const std::vector<std::string>& paths) {
+    const Job submitted = submit();
+    const Claim claimed = claim();
+    Results results;
+    for (const std::string& path : paths) {
+      write_text(jobs_->folder_of(submitted) / "artefacts" / path, "x");
+      results.artefacts.push_back({path, "image/png", 1, sha256_of("x")});
+    }
+    for (api::FrameIndex frame = 0; frame < 3; ++frame)
+      results.key_frames.frames.push_back({frame, api::FrameKind::key, 0.0});
+    EXPECT_TRUE(store_->succeed(claimed.lease, results, "{}"));
+    return job(submitted.id);
+  }
+
+  void change(const Job& job, const std::string& path, std::string_view to) {
+    write_text(jobs_->folder_of(job) / "artefacts" / path, to);
+  }
+
+  std::unique_ptr<IntegrityCheck> with(std::chrono::milliseconds time_max) {
+    return std::make_unique<IntegrityCheck>(*store_, *folder_, IntegrityRules{24h, time_max},
+                                            [this] { return now_ms_.load(); });
+  }
+};
+
+TEST_F(IntegrityTest, WhatChangedIsRefusedUntilItIsWholeAgain) {
+  const Job first = finished({"a.png", "b.png"}), second = finished({"a.png"});
+  const auto check = with(1h);
+  ASSERT_TRUE(check->check());
+  EXPECT_EQ(check->report().damaged_files, 0);
+  EXPECT_EQ(check->report().files, 3);
+  EXPECT_EQ(check->report().round_ms, now_ms_);
+
+  change(first, "b.png", "y");
+  std::filesystem::remove(jobs_->folder_of(second) / "artefacts/a.png");
+  ASSERT_TRUE(check->check());
+  EXPECT_EQ(check->report().damaged_files, 2);
+  EXPECT_TRUE(jobs_->artefact(first, "a.png"));
+  const auto refused = jobs_->artefact(first, "b.png");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().violations.at(0).code, kDamagedFile);
+  EXPECT_EQ(refused.error().violations.at(0).file, "b.png");
+  EXPECT_FALSE(jobs_->artefact(second, "a.png"));
+  EXPECT_TRUE(jobs_->must_be_whole(first, "a*"));
+  EXPECT_FALSE(jobs_->must_be_whole(first));
+
+  change(first, "b.png", "x");
+  ASSERT_TRUE(jobs_->remove(second.id));
+  ASSERT_TRUE(check->check());
+  EXPECT_EQ(check->report().damaged_files, 0) << "one is whole again, the other gone with its job";
+  EXPECT_TRUE(jobs_->artefact(first, "b.png"));
+}
+
+TEST_F(IntegrityTest, AShareAtATimeComesRoundAlsoAcrossRestarts) {
+  const Job whole = finished({"a.png", "b.png", "c.png"});
+  change(whole, "c.png", "y");
+  for (const int damaged : {0, 0, 1}) {
+    const auto check = with(0ms);  // the time is over after one file
+    ASSERT_TRUE(check->check());
+    EXPECT_EQ(check->report().files, 1);
+    EXPECT_EQ(check->report().damaged_files, damaged);
+    EXPECT_EQ(check->report().round_ms, 0);
+    restart();
+  }
+  const auto check = with(0ms);
+  EXPECT_EQ(check->report().damaged_files, 1) << "known since before the restart";
+  ASSERT_TRUE(check->check());
+  EXPECT_EQ(check->report().round_ms, now_ms_) << "all have been looked at";
+  change(whole, "a.png", "y");
+  ASSERT_TRUE(check->check());
+  EXPECT_EQ(check->report().damaged_files, 2) << "it begins with the first again";
+}
+
+TEST_F(IntegrityTest, ADatabaseThatRefersToNothingIsAFinding) {
+  {
+    auto database = Database::open(folder_->database());
+    ASSERT_TRUE(database);
+    ASSERT_TRUE(database->execute("PRAGMA foreign_keys=OFF; INSERT INTO job_label VALUES (4711, 'a', 'b')"));
+  }
+  const auto check = with(1h);
+  ASSERT_TRUE(check->check());
+  ASSERT_EQ(check->report().database.size(), 1u);
+  EXPECT_NE(check->report().database.front().find("job_label"), std::string::npos);
+}
+
+TEST_F(IntegrityTest, StopsInTheMiddleAndRunsByItselfWhenItsTimeHasCome) {
+  finished({"a.png"});
+  IntegrityCheck check(*store_, *folder_, {20ms, 1h}, [this] { return now_ms_.load(); });
+  check.start();
+  for (int k = 0; k < 500 && check.report().files < 3; ++k) std::this_thread::sleep_for(10ms);
+  EXPECT_GE(check.report().files, 3);
+  check.stop();
+  const api::Status stopped = check.check();
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().fault, api::Fault::stopped);
+}
+
+}  // namespace
+}  // namespace server
