@@ -107,6 +107,19 @@ constexpr std::array kNumbers{
                  [](Config& config, std::int64_t n) { config.ttl_days = n; }},
 };
 
+/// As the system writes addresses of clients, which is what it is compared with.
+api::Status take_proxy(std::string_view text, Config& config) {
+  const std::string given(text);
+  std::array<unsigned char, sizeof(in6_addr)> bytes{};
+  std::array<char, INET6_ADDRSTRLEN> shown{};
+  for (const int family : {AF_INET, AF_INET6})
+    if (::inet_pton(family, given.c_str(), bytes.data()) == 1) {
+      config.proxies.emplace_back(::inet_ntop(family, bytes.data(), shown.data(), shown.size()));
+      return api::Done{};
+    }
+  return wrong("--proxy: '" + given + "' is not the address of a machine, such as 127.0.0.1");
+}
+
 const NumberOption* number_named(std::string_view name) {
   const auto* found = std::find_if(kNumbers.begin(), kNumbers.end(),
                                    [&](const NumberOption& option) { return option.name == name; });
@@ -121,7 +134,7 @@ api::Status take_option(std::string_view name, std::string_view value, Config& c
   if (name == "--ops-listen") return take_ops_listen(value, config);
   if (name == "--public-host") return take_public_host(value, config);
   if (name == "--log") return take_log_format(value, config);
-  if (name == "--proxy") config.proxies.emplace_back(value);
+  if (name == "--proxy") return take_proxy(value, config);
   const NumberOption* number = number_named(name);
   if (!number) return api::Done{};
   std::int64_t given = 0;
@@ -181,9 +194,9 @@ api::Result<CommandLine> complete(Config config) {
 
 }  // namespace
 
-double rate_limit(const Config& config) {
+double rate_limit(const Config& config, std::string_view host) {
   constexpr double kOfStrangers = 50;
-  return config.requests_per_second.value_or(is_loopback(config.host) ? 0 : kOfStrangers);
+  return config.requests_per_second.value_or(is_loopback(host) ? 0 : kOfStrangers);
 }
 
 bool is_loopback(std::string_view host) {

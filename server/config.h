@@ -57,8 +57,8 @@ using CommandLine = std::variant<Config, ShowHelp, ShowVersion>;
 /// Errors: invalid_request; the message names the word that is wrong.
 api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words);
 
-/// Requests per second of one token or address: as told, or none on loopback and 50 elsewhere.
-double rate_limit(const Config& config);
+/// Requests per second of one token or address: as told, or none where `host` is loopback and 50 elsewhere.
+double rate_limit(const Config& config, std::string_view host);
 
 /// Is `host` an address that only this machine can reach?
 bool is_loopback(std::string_view host);

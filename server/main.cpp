@@ -1,8 +1,10 @@
 // keylume-server: accepts jobs over HTTP, keeps them, and has them rendered by worker processes.
+#include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <iostream>
 #include <memory>
@@ -37,6 +39,13 @@ constexpr std::chrono::seconds kStopPatience{10};
 constexpr std::chrono::seconds kRequestPatience{3};
 constexpr std::chrono::seconds kHangingPatience{1};
 
+/// A body of a megabyte that is freed goes back to the system at once. By default the allocator learns from
+/// the first one to keep such blocks, in every thread's own heap.
+void give_back_large_blocks() {
+  ::mallopt(M_MMAP_THRESHOLD, 128 << 10);
+  ::mallopt(M_TRIM_THRESHOLD, 128 << 10);
+}
+
 /// SIGTERM and SIGINT are waited for, by this thread alone; threads started later inherit the mask.
 sigset_t block_stop_signals() {
   sigset_t signals;
@@ -59,7 +68,7 @@ struct Running {
 
 /// Answers requests until a signal comes, then drains. -> exit code
 int serve(const Running& running, const sigset_t& signals) {
-  bool failed = false;
+  std::atomic<bool> failed = false;
   std::thread listener([&] {
     failed = !running.http.run();
     if (failed) ::kill(::getpid(), SIGTERM);
@@ -129,6 +138,7 @@ void tell_of_exchange(HttpMetrics& metrics, const Exchange& exchange) {
 }
 
 int run(const Config& config) {
+  give_back_large_blocks();
   const sigset_t signals = block_stop_signals();
   set_log_format(config.log_format);
   TokenFolder tokens(config.data);
@@ -147,9 +157,10 @@ int run(const Config& config) {
 
   const JobRules rules = job_rules(config, *bell);
   JobService jobs(**store, *folder, rules);
-  EventHub hub(**events);
+  // Before the hub: its thread tells them of events until it ends.
   HttpMetrics http_metrics;
   JobMetrics job_metrics;
+  EventHub hub(**events);
   IntegrityCheck integrity(**store, *folder, integrity_rules(config));
   Router router, ops_router;
   add_job_routes(router, jobs);

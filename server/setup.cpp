@@ -16,6 +16,11 @@ namespace {
 constexpr std::size_t kOpsThreads = 8;
 constexpr std::int64_t kHourMs = 3'600'000;
 
+RateRules rate_rules(const Config& config, std::string_view host) {
+  const double per_second = rate_limit(config, host);
+  return {per_second, 4 * per_second};
+}
+
 }  // namespace
 
 JobRules job_rules(const Config& config, const Doorbell& bell) {
@@ -77,8 +82,7 @@ GateRules gate_rules(const Config& config) {
   rules.hosts = {is_loopback(config.host), config.public_hosts};
   rules.tokens_required = !rules.hosts.this_machine_only && !config.insecure_public;
   rules.proxies = config.proxies;
-  rules.rate.per_second = rate_limit(config);
-  rules.rate.burst = 4 * rules.rate.per_second;
+  rules.rate = rate_rules(config, config.host);
   return rules;
 }
 
@@ -87,6 +91,7 @@ GateRules ops_gate_rules(const Config& config, const Address& ops) {
   rules.hosts = {is_loopback(ops.host), config.public_hosts};
   rules.tokens_required = !rules.hosts.this_machine_only && !config.insecure_public;
   rules.never_asks = rules.hosts.this_machine_only;
+  rules.rate = rate_rules(config, ops.host);
   return rules;
 }
 
@@ -109,7 +114,8 @@ api::Status start_worker_once(const std::filesystem::path& program) {
 }
 
 api::Status check_who_may_enter(const Config& config, const TokenFolder& tokens) {
-  if (is_loopback(config.host) || config.insecure_public) return api::Done{};
+  const bool ops_is_public = config.ops && !config.ops->host.empty() && !is_loopback(config.ops->host);
+  if ((is_loopback(config.host) && !ops_is_public) || config.insecure_public) return api::Done{};
   const auto known = tokens.list();
   if (!known) return known.error();
   const std::int64_t now = system_clock_ms();
@@ -117,7 +123,7 @@ api::Status check_who_may_enter(const Config& config, const TokenFolder& tokens)
     if (!token.expires_ms || now < *token.expires_ms) return api::Done{};
   return api::Error{
       api::Fault::invalid_request,
-      "--listen: " + config.host +
+      (is_loopback(config.host) ? "--ops-listen: " + config.ops->host : "--listen: " + config.host) +
           " can be reached from other machines and there is no valid token, so nobody could be told "
           "from a stranger; make one with\n  keylume-server token create NAME --data " +
           config.data.string() +

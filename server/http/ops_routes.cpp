@@ -20,16 +20,18 @@ class Remembered {
   Remembered(std::function<api::Status()> check, std::chrono::seconds every)
       : check_(std::move(check)), every_(every) {}
 
-  /// "" or what is wrong.
-  std::string ask() {
+  /// Is all well? What is wrong is logged once.
+  bool ask() {
     const std::lock_guard lock(mutex_);
     const auto now = SteadyClock::now();
     if (!asked_ || now - *asked_ >= every_) {
       const api::Status status = check_();
-      trouble_ = status ? "" : status.error().message;
+      const std::string trouble = status ? "" : status.error().message;
+      if (!trouble.empty() && trouble != trouble_) log_event("not ready", {{"why", trouble}});
+      trouble_ = trouble;
       asked_ = SteadyClock::now();
     }
-    return trouble_;
+    return trouble_.empty();
   }
 
  private:
@@ -57,16 +59,24 @@ std::string text_of(const IntegrityReport& integrity) {
   return std::to_string(integrity.damaged_files) + " files of jobs are damaged; the log names them";
 }
 
+struct Check {
+  const char* name;
+  Remembered* check;
+  const char* trouble;
+};
+
 /// GET /readyz, operationId getReadiness.
 HttpAnswer readiness_answer(Readiness& readiness, const IntegrityReport& integrity) {
   bool ready = true;
   api::Json checks;
-  for (const auto& [name, check] : {std::pair<const char*, Remembered*>{"database", &readiness.database},
-                                    {"disk", &readiness.disk},
-                                    {"worker", &readiness.worker}}) {
-    const std::string trouble = check->ask();
-    ready = ready && trouble.empty();
-    checks[name] = trouble.empty() ? "ok" : trouble;
+  // Anybody may ask: what it is exactly, with paths and numbers, is for the log.
+  for (const auto& [name, check, trouble] :
+       {Check{"database", &readiness.database, "it cannot be written to; the log says why"},
+        Check{"disk", &readiness.disk, "the disk is full; the log says how much is needed"},
+        Check{"worker", &readiness.worker, "it cannot be started; the log says why"}}) {
+    const bool well = check->ask();
+    ready = ready && well;
+    checks[name] = well ? "ok" : trouble;
   }
   // Other jobs can be rendered whatever one file looks like; on a damaged database nothing is to be built.
   ready = ready && integrity.database.empty();

@@ -32,7 +32,9 @@ constexpr std::array kTitles{
     std::pair{429, std::string_view("Too Many Requests")},
     std::pair{431, std::string_view("Request Header Fields Too Large")},
     std::pair{500, std::string_view("Internal Server Error")},
+    std::pair{501, std::string_view("Not Implemented")},
     std::pair{503, std::string_view("Service Unavailable")},
+    std::pair{505, std::string_view("HTTP Version Not Supported")},
     std::pair{507, std::string_view("Insufficient Storage")},
 };
 

@@ -1,9 +1,9 @@
 #include "server/http/result_answers.h"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
+#include "server/http/parameters.h"
 #include "server/http/problem.h"
 
 namespace server {
@@ -130,11 +130,9 @@ HttpAnswer artefact_answer(JobService& jobs, const Job& job, const HttpRequest& 
 }
 
 std::optional<std::uint64_t> whole_number_up_to(std::string_view digits, std::uint64_t most) {
-  std::uint64_t value = 0;
-  const char* const end = digits.data() + digits.size();
-  const auto parsed = std::from_chars(digits.data(), end, value);
-  if (parsed.ec != std::errc() || parsed.ptr != end || value > most) return std::nullopt;
-  return value;
+  const auto value = whole_number(digits);
+  if (!value || *value < 0 || static_cast<std::uint64_t>(*value) > most) return std::nullopt;
+  return static_cast<std::uint64_t>(*value);
 }
 
 api::Result<std::uint32_t> frame_of(const Job& job, const PathValues& values) {

@@ -16,7 +16,6 @@ namespace {
 // What the multipart frame around the parts may add: boundaries and headers.
 constexpr std::int64_t kFrameBytes = 1 << 20;
 // Kept free for the database and for jobs that run.
-constexpr std::int64_t kReservedBytes = 64 << 20;
 constexpr std::int64_t kWaitSecondsMax = 60;
 
 HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_view path) {
@@ -142,7 +141,7 @@ std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, JobSer
     return problem(413, "the upload is larger than " + std::to_string(limits.total_bytes) + " bytes",
                    request.path);
   const auto free = free_bytes(folder.uploads());
-  if (free && *free < bytes + kReservedBytes)
+  if (free && *free < bytes + kRoomBytesMin)
     return problem({api::Fault::disk_full, "no room for an upload"}, request.path);
   // Not where the job may be there already, whatever else is in the queue by now.
   if (request.path != kSubmitPath || request.header("Idempotency-Key")) return std::nullopt;
