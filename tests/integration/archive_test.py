@@ -11,9 +11,9 @@ from service import ServiceTestCase
 from small_jobs import write_job
 
 
-def resident_mib(pid):
+def peak_mib(pid):
     for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("VmRSS:"):
+        if line.startswith("VmHWM:"):
             return int(line.split()[1]) / 1024
     raise AssertionError("no such process")
 
@@ -69,7 +69,7 @@ class Archive(ServiceTestCase):
         self.assertFalse((kept / "archive").exists())
 
     def test_hostile_archives_are_refused_and_the_entry_is_named(self):
-        before = resident_mib(self.running.process.pid)
+        before = peak_mib(self.running.process.pid)
         for name, data in [*archives.zips(), *archives.tars()]:
             code = name.split("--")[0]
             answer = self.send(data)
@@ -82,7 +82,7 @@ class Archive(ServiceTestCase):
                     self.assertTrue(problem["errors"][0]["file"], problem)
         self.expect_nothing_kept()
         # Twice what one upload may hold in memory: pieces, a parsed document, heaps of a thread or two.
-        self.assertLess(resident_mib(self.running.process.pid) - before, 32)
+        self.assertLess(peak_mib(self.running.process.pid) - before, 32)
 
     def test_what_is_no_part_of_a_job_is_named(self):
         job = write_job(self.folder / "job", frames=2)

@@ -100,6 +100,32 @@ class Auth(ServiceTestCase):
         self.assertEqual(answer.status, 200)
         self.assertIn("ratelimit", answer.headers, "strangers could come, so requests are counted")
 
+    def test_a_second_listener_that_others_reach_needs_a_token_first_too(self):
+        service = Service(self.folder / "data")
+        words = service.command() + ["--ops-listen", "0.0.0.0:0"]
+        run = subprocess.run(words, capture_output=True, text=True, timeout=20, stdin=subprocess.DEVNULL)
+        self.assertEqual(run.returncode, 64)
+        self.assertIn("--ops-listen: 0.0.0.0", run.stderr)
+
+    def test_a_token_is_in_its_file_before_it_is_valid(self):
+        data, file = self.folder / "data", self.folder / "token"
+        first = ["token", "create", "first", "--data", str(data), "--out", str(file), "--if-none"]
+        made = command(*first)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        token = file.read_text().strip()
+        self.assertEqual(made.stdout.strip(), token)
+        self.assertEqual(file.stat().st_mode & 0o077, 0)
+        self.assertNotEqual(command("token", "create", "second", "--data", str(data), "--out", str(file)).returncode, 0,
+                            "never over another file")
+        self.assertNotIn("second", command("token", "list", "--data", str(data)).stdout)
+        # As a crash between the file and the token leaves it.
+        self.assertEqual(command("token", "revoke", "first", "--data", str(data)).returncode, 0)
+        again = command(*first)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual(file.read_text().strip(), token)
+        service = self.service()
+        self.assertEqual(self.with_token(service, token, "/v1/jobs").status, 200)
+
     def test_who_asks_too_often_is_told_to_wait(self):
         service = Service(self.folder / "data")
         words = service.command() + ["--rate-limit", "2"]

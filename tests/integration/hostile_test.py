@@ -111,30 +111,91 @@ class Hostile(ServiceTestCase):
     def test_a_request_line_of_100_mb(self):
         self.expect_refused([b"GET /", *[b"y" * (1 << 20)] * 100, b" HTTP/1.1\r\n\r\n"])
 
+    # Each with an upload that makes a job if its length or its chunks are read in any way at all, and with another
+    # request behind it that is answered if the connection is kept.
+
+    def good_upload(self):
+        job = write_job(self.folder / "good", frames=2)
+        material = next(job.glob("*.mtl"))
+        return multipart([part("scene", "scene.obj", (job / "scene.obj").read_bytes()),
+                          part("materials", material.name, material.read_bytes()),
+                          part("animation", "animation.json", (job / "animation.json").read_bytes())])
+
+    def expect_no_job(self, lines, body):
+        """Refused in words, no job made, and the connection closed with what follows on it."""
+        head = self.head("POST", "/v1/validate", "Content-Type: multipart/form-data; boundary=bound", *lines)
+        connection = self.connect()
+        begun = time.monotonic()
+        try:
+            connection.sendall(head + body + self.head())
+        except OSError:
+            pass
+        status, answer = self.answer_of(connection)
+        self.assertIn(status, (400, 413, 501), answer[:300])
+        self.assertEqual(answer.count(b"HTTP/1.1 "), 1, answer[:500])
+        self.assertLess(time.monotonic() - begun, 5, "it is closed, not waited on")
+
     def test_lengths_that_conflict_or_are_none(self):
-        for lines in (("Content-Length: 5", "Content-Length: 6"), ("Content-Length: 5", "Transfer-Encoding: chunked"),
-                      ("Content-Length: -1",), ("Content-Length: abc",), ("Content-Length: 99999999999999999999999",),
-                      ("Content-Length: 5, 6",), ("Content-Length: +5",), ("Transfer-Encoding: gzip, chunked",),
-                      ("Transfer-Encoding: chunked", "Transfer-Encoding: identity")):
+        body = self.good_upload()
+        chunked = f"{len(body):x}".encode() + b"\r\n" + body + b"\r\n0\r\n\r\n"
+        length = f"Content-Length: {len(body)}"
+        self.assertEqual(self.exchange([self.head("POST", "/v1/validate", "Content-Type: multipart/form-data; boundary=bound",
+                                                  length, "Connection: close"), body])[0], 200, "it is a good one")
+        for lines in ((length, "Content-Length: 6"), ("Content-Length: 6", length), (length, "Transfer-Encoding: chunked"),
+                      ("Content-Length: -1",), ("Content-Length: abc",), (f"Content-Length: {len(body)}, {len(body)}",),
+                      (f"Content-Length: +{len(body)}",), ("Content-Length: %35",), ("Content-Length: 18446744073709551615",),
+                      ("Content-Length: 9223372036854775808",), ("Content-Length: 99999999999999999999999",),
+                      (f"Content-Length : {len(body)}",)):
             with self.subTest(lines):
-                self.expect_refused([self.head("POST", "/v1/jobs", "Content-Type: multipart/form-data; boundary=bound",
-                                               *lines), b"5\r\nhello\r\n0\r\n\r\n"])
+                self.expect_no_job(lines, body)
+        for coding in ("gzip, chunked", "identity", "%63hunked", "chunked, chunked", "xchunked"):
+            with self.subTest(coding):
+                self.expect_no_job((f"Transfer-Encoding: {coding}",), chunked)
+        self.expect_no_job(("Transfer-Encoding: chunked", "Transfer-Encoding: identity"), chunked)
 
     def test_chunk_sizes_that_are_none(self):
-        for size in (b"-2", b"ffffffffffffffffffff", b"0x5", b"5;" + b"e" * 100_000, b"", b" ", b"5\n", b"zz",
-                     b"7fffffffffffffff", b"1" * 100_000):
-            with self.subTest(size[:30]):
-                self.expect_refused([self.head("POST", "/v1/jobs", "Transfer-Encoding: chunked",
-                                               "Content-Type: multipart/form-data; boundary=bound"),
-                                     size + b"\r\nhello\r\n0\r\n\r\n"])
+        body = self.good_upload()
+        size = f"{len(body):x}".encode()
+        for wrong in (b"-" + size, b"+" + size, b"0x" + size, b" " + size, size + b" x", size + b";" + b"e" * 100_000, b"",
+                      b"zz", b"ffffffffffffffffffff", b"fffffffffffffffe", b"7fffffffffffffff", b"1" * 100_000, b"-2"):
+            with self.subTest(wrong[:30]):
+                self.expect_no_job(("Transfer-Encoding: chunked",), wrong + b"\r\n" + body + b"\r\n0\r\n\r\n")
+        self.expect_no_job(("Transfer-Encoding: chunked",), size + b"\n" + body + b"\r\n0\r\n\r\n")
+        self.expect_no_job(("Transfer-Encoding: chunked",), size + b"\r\n" + body + b"0\r\n\r\n")
 
     def test_a_second_request_hidden_in_the_first(self):
-        hidden = b"DELETE /v1/jobs/x HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
-        for lines in (("Content-Length: 0", f"Content-Length: {len(hidden)}"),
-                      (f"Content-Length: {len(hidden)}", "Transfer-Encoding: chunked")):
-            status, answer = self.exchange([self.head("GET", "/v1/jobs", *lines), hidden])
-            self.assertLessEqual(answer.count(b"HTTP/1.1 "), 1, answer[:500])
-            self.assertNotEqual(status, 200, "conflicting lengths are no request")
+        hidden = self.head("GET", "/version")
+        for path in ("/v1/jobs/x/cancel", "/v1/login", "/v1/validate"):
+            for lines in (("Content-Length: 0", f"Content-Length: {len(hidden)}"),
+                          (f"Content-Length: {len(hidden)}", "Transfer-Encoding: chunked"),
+                          (f"Content-Length: {len(hidden)}", "Transfer-Encoding: %63hunked"),
+                          ("Content-Length: %30", "X: y")):
+                status, answer = self.exchange([self.head("POST", path, *lines), hidden])
+                self.assertEqual(answer.count(b"HTTP/1.1 "), 1, answer[:500])
+                self.assertNotIn(b"worker_sandbox", answer)
+                self.assertIn(status, (400, 501), "no request is read out of this")
+        # Where the length is said once, the body is the body and what follows is the next request.
+        status, answer = self.exchange([self.head("POST", "/v1/queue/resume", f"Content-Length: {len(hidden)}"), hidden,
+                                        self.head("GET", "/healthz", "Connection: close")])
+        self.assertNotIn(b"worker_sandbox", answer)
+
+    def test_bodies_of_a_megabyte_from_everywhere_are_given_back(self):
+        def send():
+            for _ in range(2):
+                status, _ = self.exchange([self.head("POST", "/v1/jobs/x/cancel", "Content-Length: 1000000",
+                                                     "Content-Type: application/json"), b" " * 1_000_000])
+                statuses.append(status)
+        statuses = []
+        for _ in range(4):  # 16 at once, 64 threads after one another
+            threads = [threading.Thread(target=send) for _ in range(16)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        self.assertEqual(set(statuses), {404})
+        now = resident_mib(self.running.process.pid)
+        print(f"{now - self.before:.1f} MiB more afterwards", flush=True)
+        self.assertLess(now - self.before, 12)
 
     def test_line_ends_in_names_and_values_reach_no_header(self):
         for path in ("/v1/jobs%0d%0aX-Injected:%20yes", "/v1/jobs/a%0d%0aSet-Cookie:%20x=1", "/v1/jobs?state=%0d%0aX-Injected:1",
@@ -259,10 +320,41 @@ class Hostile(ServiceTestCase):
                 worst = max(worst, time.monotonic() - begun)
             print(f"slowest /healthz beside 50 slow clients: {1000 * worst:.0f} ms", flush=True)
             self.assertLess(worst, 5)
-            # They are given up one day, whatever they do.
-            for connection in idle:
-                connection.settimeout(30)
-                self.assertEqual(self.answer_of(connection)[0] in (None, 408, 400), True)
+            # They are given up one day, whatever they do: still dribbling, none of them is held.
+            ends = time.monotonic() + 30
+            for connection in idle + dribbling:
+                connection.settimeout(max(0.1, ends - time.monotonic()))
+                self.assertIn(self.answer_of(connection)[0], (None, 408, 400))
+        finally:
+            stop.set()
+            thread.join()
+
+    def test_three_hundred_that_dribble_their_heads_hold_up_nobody(self):
+        slow = [self.connect(40) for _ in range(300)]
+        for connection in slow:
+            connection.sendall(self.head()[:-2] + b"X-Slow: ")
+        stop = threading.Event()
+
+        def dribble():
+            while not stop.wait(2):
+                for connection in slow:
+                    try:
+                        connection.sendall(b"a")
+                    except OSError:
+                        pass  # it has been told
+        thread = threading.Thread(target=dribble)
+        thread.start()
+        try:
+            worst = 0.0
+            end = time.monotonic() + 8  # less than it takes until they are sent away
+            while time.monotonic() < end:
+                begun = time.monotonic()
+                self.assertEqual(curl(self.running.url + "/v1/jobs", timeout_s=30).status, 200)
+                worst = max(worst, time.monotonic() - begun)
+            print(f"slowest /v1/jobs beside 300 that dribble: {1000 * worst:.0f} ms", flush=True)
+            self.assertLess(worst, 15)
+            statuses = [self.answer_of(connection)[0] for connection in slow]
+            self.assertGreater(statuses.count(408), 290, "their time for a head is limited")
         finally:
             stop.set()
             thread.join()

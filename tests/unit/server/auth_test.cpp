@@ -1,8 +1,10 @@
 // Tokens, scopes and rates: who is let in, and to what.
 #include <sys/stat.h>
 
+#include <atomic>
 #include <map>
 #include <set>
+#include <thread>
 
 #include "server/auth/token_text.h"
 #include "server/http/dashboard_routes.h"
@@ -273,7 +275,78 @@ TEST(RateLimiter, GivesABurstThenWhatFlowsIn) {
 TEST(RateLimiter, RemembersStrangersWithinBounds) {
   RateLimiter limiter({1, 2});
   const RateLimiter::Time start{};
-  for (int i = 0; i < 60'000; ++i) EXPECT_TRUE(limiter.ask("from " + std::to_string(i), start).allowed);
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(limiter.ask("greedy", start).allowed);
+  for (int i = 0; i < 60'000; ++i) {
+    EXPECT_TRUE(limiter.ask("from " + std::to_string(i), start).allowed);
+    ASSERT_LE(limiter.remembered(), kBucketsMax);
+  }
+  EXPECT_GT(limiter.remembered(), kBucketsMax / 2) << "most are";
+  EXPECT_FALSE(limiter.ask("greedy", start).allowed) << "a crowd of strangers gives nobody his requests back";
+}
+
+TEST(RateLimiter, KnowsANetworkNotEachOfItsAddresses) {
+  EXPECT_EQ(network_of("192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(network_of("2001:db8:1:2:3:4:5:6"), "2001:db8:1:2::/64");
+  EXPECT_EQ(network_of("2001:db8:1:2::1"), network_of("2001:0db8:1:2:ffff::"));
+  EXPECT_NE(network_of("2001:db8:1:2::1"), network_of("2001:db8:1:3::1"));
+  EXPECT_EQ(network_of("::ffff:192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(network_of("fe80::1%eth0"), "fe80::/64");
+  EXPECT_EQ(network_of("no address"), "no address");
+}
+
+TEST_F(AuthTest, AnIPv6NetworkSharesItsRequests) {
+  rules_.rate = {1, 2};
+  make("a");
+  for (const auto& [last, status] : {std::pair{"1", 401}, {"2", 401}, {"3", 429}}) {
+    HttpRequest request = request_to("GET", "/v1/jobs");
+    request.address = std::string("2001:db8::") + last;
+    EXPECT_EQ(refusal(std::move(request)), status) << last;
+  }
+}
+
+TEST_F(AuthTest, TheSchemeHasNoCaseAndOthersAreForOthers) {
+  const std::string token = make("a");
+  for (const char* scheme : {"Bearer ", "bearer ", "BEARER  "})
+    EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", {{"Authorization", scheme + token}})), 0) << scheme;
+  const Headers behind_proxy{{"Authorization", "Basic dXNlcjpwYXNz"}, {"Cookie", "keylume_token=" + token}};
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", behind_proxy)), 0) << "a proxy's password is not for us";
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", {{"Authorization", "Basic dXNlcjpwYXNz"}})), 401);
+}
+
+TEST_F(AuthTest, ATokenIsHandedOverBeforeItIsKept) {
+  const auto tokens = temporary_.path() / "data/tokens";
+  const auto count = [&] {
+    return std::distance(std::filesystem::directory_iterator(tokens), std::filesystem::directory_iterator());
+  };
+  make("first");
+  std::string handed;
+  const auto text =
+      tokens_->create("a", scopes_of("jobs:read"), kNow, {}, false, [&](const std::string& fresh) {
+        EXPECT_EQ(count(), 1) << "a crash now leaves no token that nobody knows";
+        handed = fresh;
+        return api::Result<std::string>(fresh);
+      });
+  ASSERT_TRUE(text);
+  EXPECT_EQ(*text, handed);
+  EXPECT_TRUE(tokens_->find(handed, kNow));
+  const auto refuse = [](const std::string&) {
+    return api::Result<std::string>(api::Error{api::Fault::disk_full, "no room"});
+  };
+  EXPECT_FALSE(tokens_->create("b", scopes_of("jobs:read"), kNow, {}, false, refuse));
+  EXPECT_EQ(count(), 2);
+}
+
+TEST_F(AuthTest, OfTokensMadeAtOnceOneHasTheName) {
+  std::atomic<int> made = 0;
+  std::vector<std::thread> makers;
+  for (int i = 0; i < 8; ++i)
+    makers.emplace_back([&] {
+      TokenFolder own(temporary_.path() / "data");  // as eight command lines
+      if (own.create("same", scopes_of("jobs:read"), kNow, {})) ++made;
+    });
+  for (std::thread& maker : makers) maker.join();
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ(tokens_->list()->size(), 1u);
 }
 
 TEST_F(AuthTest, WhoAsksTooOftenHearsWhenToComeBack) {

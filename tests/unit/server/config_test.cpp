@@ -40,14 +40,16 @@ TEST(CommandLine, KnowsWhichAddressesOnlyThisMachineReaches) {
 
 TEST(CommandLine, LimitsHowOftenStrangersMayAsk) {
   const auto limit = [](std::vector<std::string_view> words) {
-    return rate_limit(std::get<Config>(*parse_also(std::move(words))));
+    const Config config = std::get<Config>(*parse_also(std::move(words)));
+    return rate_limit(config, config.host);
   };
   EXPECT_EQ(limit({}), 0) << "who is on this machine may ask as often as it can";
   EXPECT_EQ(limit({"--listen", "0.0.0.0:80"}), 50);
   EXPECT_EQ(limit({"--listen", "0.0.0.0:80", "--rate-limit", "0"}), 0);
   EXPECT_EQ(limit({"--rate-limit=7"}), 7);
-  const auto proxies = parse_also({"--proxy", "10.0.0.1", "--proxy=10.0.0.2"});
-  EXPECT_EQ(std::get<Config>(*proxies).proxies, (std::vector<std::string>{"10.0.0.1", "10.0.0.2"}));
+  const auto proxies = parse_also({"--proxy", "10.0.0.1", "--proxy=2001:0DB8::0:1"});
+  EXPECT_EQ(std::get<Config>(*proxies).proxies, (std::vector<std::string>{"10.0.0.1", "2001:db8::1"}))
+      << "as the system writes them";
 }
 
 TEST(CommandLine, NamesTheWordThatIsWrong) {
@@ -63,6 +65,7 @@ TEST(CommandLine, NamesTheWordThatIsWrong) {
       {{"--data", "d", "--worker", "/bin/sh", "--listen", "127.0.0.1:70000"}, "70000"},
       {{"--data", "d", "--worker", "/bin/sh", "--worker-threads", "0"}, "--worker-threads"},
       {{"--data", "d", "--worker", "/bin/sh", "--max-upload-bytes", "-1"}, "--max-upload-bytes"},
+      {{"--data", "d", "--worker", "/bin/sh", "--proxy", "localhost"}, "localhost"},
   };
   for (const auto& [words, word] : cases) {
     const auto parsed = parse(words);

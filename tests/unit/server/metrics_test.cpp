@@ -114,13 +114,13 @@ class OpsTest : public ServiceTest {
 };
 
 TEST_F(OpsTest, ReadinessNamesWhatIsWrongAndDoesNotAskAgainAtOnce) {
-  worker_ = api::Error{api::Fault::internal, "the worker cannot be run"};
+  worker_ = api::Error{api::Fault::internal, "/srv/keylume/secret: no such file"};
   for (int i = 0; i < 3; ++i) {
     const HttpAnswer answer = ask("/readyz");
     EXPECT_EQ(answer.status, 503);
     const auto json = api::parse_json(answer.body, "readyz");
     EXPECT_EQ(json->at("status"), "not_ready");
-    EXPECT_EQ(json->at("checks").at("worker"), "the worker cannot be run");
+    EXPECT_EQ(json->at("checks").at("worker"), "it cannot be started; the log says why") << "and no path";
     EXPECT_EQ(json->at("checks").at("database"), "ok");
   }
   EXPECT_EQ(asked_, 1);
