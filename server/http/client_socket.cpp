@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
+
+#include "server/http/lobby.h"
 
 namespace server {
 namespace {
@@ -30,9 +33,28 @@ milliseconds until(SteadyClock::time_point end) {
 
 }  // namespace
 
+ClientSocket::ClientSocket(int socket, std::string_view unread)
+    : socket_(socket), end_(std::min(unread.size(), buffer_.size())) {
+  std::memcpy(buffer_.data(), unread.data(), end_);
+}
+
 ClientSocket::~ClientSocket() {
+  if (socket_ < 0) return;
   ::shutdown(socket_, SHUT_RDWR);
   ::close(socket_);
+}
+
+int ClientSocket::release(std::string& unread) {
+  unread.assign(buffer_.data() + at_, end_ - at_);
+  return std::exchange(socket_, -1);
+}
+
+bool ClientSocket::has_head() const {
+  std::string text(buffer_.data() + at_, end_ - at_);
+  std::array<char, 4096> piece;
+  const ssize_t count = ::recv(socket_, piece.data(), piece.size(), MSG_PEEK | MSG_DONTWAIT);
+  if (count > 0) text.append(piece.data(), static_cast<std::size_t>(count));
+  return is_head_here(text);
 }
 
 bool ClientSocket::wait(milliseconds patience, const GiveUp& give_up) {

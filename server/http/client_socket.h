@@ -20,11 +20,18 @@ class ClientSocket {
   using GiveUp = std::function<bool()>;
 
   explicit ClientSocket(int socket) : socket_(socket) {}
+  /// `unread`: bytes that were read already.
+  ClientSocket(int socket, std::string_view unread);
   ~ClientSocket();
   ClientSocket(const ClientSocket&) = delete;
   ClientSocket& operator=(const ClientSocket&) = delete;
 
   int get() const { return socket_; }
+  /// Gives the connection up: the caller owns the socket now, and has to know what was read of it.
+  int release(std::string& unread);
+
+  /// Is the head of a request there, so that nobody waits who reads it?
+  bool has_head() const;
 
   /// Is there anything to read within `patience`: bytes, or the end?
   bool wait(Milliseconds patience, const GiveUp& give_up);
@@ -52,7 +59,7 @@ class ClientSocket {
   bool has_bytes() const { return at_ < end_; }
   ssize_t fill(Milliseconds patience, const GiveUp& give_up);
 
-  const int socket_;
+  int socket_;
   std::array<char, 16 * 1024> buffer_;  ///< what came behind what was asked for
   std::size_t at_ = 0, end_ = 0;
 };

@@ -68,6 +68,16 @@ void set_safe_headers(httplib::Response& response) {
     response.set_header("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
 }
 
+/// An answer as it goes over the wire where no thread is at hand to give it.
+std::string last_words(const HttpAnswer& answer) {
+  std::string text = "HTTP/1.1 " + std::to_string(answer.status) + " " +
+                     std::string(title_of(answer.status)) + "\r\nContent-Type: " + answer.content_type +
+                     "\r\nContent-Length: " + std::to_string(answer.body.size()) +
+                     "\r\nX-Content-Type-Options: nosniff\r\nConnection: close\r\n";
+  for (const auto& [name, value] : answer.headers) text += name + ": " + value + "\r\n";
+  return text + "\r\n" + answer.body;
+}
+
 /// One of a number of places, for as long as it lives.
 class Place {
  public:
@@ -93,7 +103,7 @@ struct HttpServer::Library {
 
   void set_limits() {
     server.new_task_queue = [this] {
-      return new httplib::ThreadPool(rules.threads, rules.threads, rules.connections_waiting_max);
+      return server.open({rules.threads, rules.connections_waiting_max}, lobby_rules());
     };
     // The library's default shares the port with whoever else asks for it.
     server.set_socket_options([](auto socket) {
@@ -105,6 +115,17 @@ struct HttpServer::Library {
     server.set_keep_alive_max_count(connections.requests_max);  // these two are only said to clients
     server.set_keep_alive_timeout(std::chrono::duration_cast<std::chrono::seconds>(connections.idle).count());
     server.connection_rules.head = rules.head_patience;
+  }
+
+  LobbyRules lobby_rules() const {
+    LobbyRules lobby;
+    lobby.guests_max = rules.connections_idle_max;
+    lobby.idle = server.connection_rules.idle;
+    lobby.head = rules.head_patience;
+    lobby.head_bytes_max = kHeadBytesMax;
+    lobby.too_slow = last_words(problem(408, "the request's head came in too slowly", ""));
+    lobby.too_many = last_words(problem(503, "too many connections at once", ""));
+    return lobby;
   }
 
   void set_handlers() {

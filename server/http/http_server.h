@@ -19,11 +19,13 @@ struct HttpRules {
   int port = 8080;                                        ///< 0: any free one
   std::int64_t upload_bytes_max = std::int64_t{2} << 30;  ///< of one body that streams
   std::size_t small_body_bytes_max = 1 << 20;             ///< of one that does not
-  // A connection holds a thread as long as it is open: the number of threads is the number of clients at
-  // once. All are there from the start, because the library's pool does not grow in a burst.
-  std::size_t threads = 64;
-  std::size_t connections_waiting_max = 256;
-  std::size_t uploads_max = 16;  ///< at once, further ones are 503: the other threads stay free for reading
+  // A connection holds a thread while a request of its is answered. All threads are there from the start,
+  // because the library's pool does not grow in a burst. Uploads, listeners and those who wait for a job to
+  // end have limits of their own, which leave many of them free.
+  std::size_t threads = 128;
+  std::size_t connections_waiting_max = 128;  ///< for a thread; further ones are 503
+  std::size_t connections_idle_max = 400;     ///< without a request; beyond it the oldest goes
+  std::size_t uploads_max = 32;  ///< at once, further ones are 503: the other threads stay free for reading
   std::chrono::milliseconds head_patience{
       10'000};                                     ///< for a request's head, from its first byte on; then 408
   std::chrono::milliseconds body_silence{10'000};  ///< a body that says nothing for so long is given up

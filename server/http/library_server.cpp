@@ -10,6 +10,8 @@
 namespace server {
 namespace {
 
+constexpr std::chrono::milliseconds kStay{50};
+
 thread_local Incoming* current_incoming = nullptr;
 
 /// %2F is a character of a name. Decoded like the others it would part names, and lead past a proxy that has
@@ -69,6 +71,20 @@ class LibraryStream : public httplib::Stream {
   std::size_t at_ = 0;
 };
 
+/// What the library takes for its threads: a connection goes to the lobby at once.
+class LobbyDoor : public httplib::TaskQueue {
+ public:
+  explicit LobbyDoor(LibraryServer& server) : server_(server) {}
+  bool enqueue(std::function<void()> enter) override {
+    enter();
+    return true;
+  }
+  void shutdown() override { server_.close(); }
+
+ private:
+  LibraryServer& server_;
+};
+
 ParsedHead refusal(int status, const char* detail) {
   return {{}, HeadRefusal{status, detail}};
 }
@@ -104,16 +120,44 @@ bool LibraryServer::answer(ClientSocket& client, const std::string& address, boo
 }
 
 bool LibraryServer::process_and_close_socket(socket_t socket) {
-  ClientSocket client(socket);
-  // One client's misfortune, such as no memory for what it asked for, is not everybody's.
+  std::string address;
+  int port = 0;
+  httplib::detail::get_remote_ip_and_port(socket, address, port);
+  lobby_->enter({FileHandle(socket), std::move(address), connection_rules.requests_max, {}});
+  return true;
+}
+
+httplib::TaskQueue* LibraryServer::open(const ThreadRules& threads, LobbyRules lobby) {
+  too_many_ = lobby.too_many;
+  threads_ = std::make_unique<httplib::ThreadPool>(threads.threads, threads.threads, threads.waiting_max);
+  lobby_ = std::make_unique<Lobby>(std::move(lobby), [this](Guest guest) { hand_on(std::move(guest)); });
+  if (const api::Status started = lobby_->start(); !started) log_line(started.error().message);
+  return new LobbyDoor(*this);
+}
+
+void LibraryServer::close() {
+  closing_ = true;
+  lobby_->stop();
+  threads_->shutdown();
+}
+
+void LibraryServer::hand_on(Guest guest) {
+  const auto held = std::make_shared<Guest>(std::move(guest));
+  ++waiting_;
+  if (threads_->enqueue([this, held] {
+        --waiting_;
+        serve(std::move(*held));
+      }))
+    return;
+  --waiting_;
+  say_in_passing(*held, too_many_);
+}
+
+// One client's misfortune, such as no memory for what it asked for, is not everybody's.
+void LibraryServer::serve(Guest guest) {
+  ClientSocket client(guest.socket.release(), guest.unread);
   try {
-    std::string address;
-    int port = 0;
-    httplib::detail::get_remote_ip_and_port(socket, address, port);
-    const auto stopped = [this] { return svr_sock_ == INVALID_SOCKET; };
-    for (std::size_t left = connection_rules.requests_max; left > 0; --left)
-      if (!client.wait(connection_rules.idle, stopped) || !answer(client, address, left == 1)) break;
-    return true;
+    return answer_all(client, guest);
   } catch (const std::exception& error) {
     log_line(std::string("a connection was given up: ") + error.what());
   } catch (...) {
@@ -121,7 +165,19 @@ bool LibraryServer::process_and_close_socket(socket_t socket) {
   }
   current_incoming = nullptr;
   when_answered();
-  return false;
+}
+
+void LibraryServer::answer_all(ClientSocket& client, Guest& guest) {
+  const auto stopped = [this] { return closing_.load(); };
+  do {
+    if (guest.requests_left == 0 || !answer(client, guest.address, guest.requests_left == 1)) return;
+    --guest.requests_left;
+    // Busy clients say at once what they want next, and a thread that stays costs nobody anything as long as
+    // nobody waits for one.
+    (void)client.wait(waiting_ > 0 ? std::chrono::milliseconds(0) : kStay, stopped);
+  } while (client.has_head() && !closing_);
+  guest.socket = FileHandle(client.release(guest.unread));
+  lobby_->enter(std::move(guest));
 }
 
 }  // namespace server

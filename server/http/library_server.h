@@ -6,12 +6,15 @@
 
 #include <httplib.h>
 
+#include <atomic>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "server/http/client_socket.h"
+#include "server/http/lobby.h"
 #include "server/http/request_head.h"
 
 namespace server {
@@ -27,11 +30,16 @@ struct Incoming {
 
 struct ConnectionRules {
   std::chrono::milliseconds head{10'000};   ///< for all of a request's head
-  std::chrono::milliseconds idle{2'000};    ///< before a request: the connection holds a thread
+  std::chrono::milliseconds idle{10'000};   ///< before a request
   std::chrono::milliseconds write{30'000};  ///< without the client taking a byte
   std::chrono::milliseconds part{1'000};    ///< for what is still coming when we close
   std::size_t part_bytes_max = 16 << 20;
   std::size_t requests_max = 1000;
+};
+
+struct ThreadRules {
+  std::size_t threads = 64;
+  std::size_t waiting_max = 256;  ///< requests whose head is there, for a thread
 };
 
 class LibraryServer : public httplib::Server {
@@ -39,12 +47,27 @@ class LibraryServer : public httplib::Server {
   ConnectionRules connection_rules;             ///< set before it listens
   std::function<void()> when_answered = [] {};  ///< on the thread that did
 
+  /// Opens the lobby, and makes what the library is to hand connections to: they have a thread only while a
+  /// request of theirs is answered.
+  httplib::TaskQueue* open(const ThreadRules& threads, LobbyRules lobby);
+  /// Waits for all that is being answered.
+  void close();
+
   /// The request that this thread answers. Only from the library's handlers.
   static Incoming& incoming();
 
  private:
   bool process_and_close_socket(socket_t socket) override;
+  void hand_on(Guest guest);
+  void serve(Guest guest);
+  void answer_all(ClientSocket& client, Guest& guest);
   bool answer(ClientSocket& client, const std::string& address, bool last);
+
+  std::unique_ptr<Lobby> lobby_;
+  std::unique_ptr<httplib::ThreadPool> threads_;
+  std::string too_many_;
+  std::atomic<std::size_t> waiting_ = 0;  ///< for a thread
+  std::atomic<bool> closing_ = false;
 };
 
 }  // namespace server
