@@ -113,7 +113,6 @@ class Walk(ServiceTestCase):
         mesh, patches = self.mesh, self.patches
         nodes = mesh["patch_nodes"].copy()
         triangle = nodes[:, 3] == NO_NODE
-        self.assertTrue(triangle.any() and not triangle.all())
         nodes[triangle, 3] = nodes[triangle, 2]
         extent = numpy.abs(patches["corners"]).max()
         numpy.testing.assert_allclose(mesh["node_position"][nodes], patches["corners"], atol=4e-6 * extent)
