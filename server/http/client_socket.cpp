@@ -92,7 +92,7 @@ ClientSocket::Head ClientSocket::read_head(std::string& to, std::size_t bytes_ma
     }
     if (SteadyClock::now() >= end) return Head::too_slow;
     if (const ssize_t count = fill(until(end), give_up); count <= 0)
-      return count < 0 && SteadyClock::now() >= end ? Head::too_slow : Head::closed;
+      return count < 0 && !give_up() ? Head::too_slow : Head::closed;
   }
 }
 

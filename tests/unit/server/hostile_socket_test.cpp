@@ -19,9 +19,9 @@ class HostileSocketTest : public SocketTest {
     return answers.size() > 12 ? std::atoi(answers.c_str() + 9) : 0;
   }
   static std::size_t answers_in(const std::string& text) {
+    constexpr std::string_view kInEach = "\r\nX-Request-Id: ";
     std::size_t count = 0;
-    for (std::size_t at = text.find("HTTP/1.1 "); at != text.npos; at = text.find("HTTP/1.1 ", at + 1))
-      ++count;
+    for (std::size_t at = text.find(kInEach); at != text.npos; at = text.find(kInEach, at + 1)) ++count;
     return count;
   }
   /// One answer with this status, and the connection is closed, whatever follows on it.
