@@ -172,10 +172,10 @@ class Contract:
         return self.wrong_headers(answer, exchange) + self.wrong_body(answer, exchange)
 
     def of_no_operation(self, exchange):
-        """What the transport refuses, whatever the operation."""
-        if exchange.status not in (411, 417, 431):
+        """What is refused before anybody looks which operation it is."""
+        if exchange.status in (404, 405):
             return None
-        return self.resolved(self.document["x-answers-where-there-is-no-operation"][str(exchange.status)])
+        return self.resolved(self.document["x-answers-where-there-is-no-operation"].get(str(exchange.status)))
 
     def wrong_headers(self, answer, exchange):
         wrong, known = [], {}
