@@ -9,6 +9,8 @@ Talks to 127.0.0.1 only, to servers that it starts and stops, in a folder of its
 import argparse
 import os
 import shutil
+import signal
+import sys
 import tempfile
 import time
 from dataclasses import dataclass
@@ -57,6 +59,7 @@ def say_load(when):
 
 def main():
     given = parsed()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # servers and folders are not left behind
     programs = Programs(given.worker.resolve(), given.server.resolve(), given.claim_times.resolve())
     say_load("before")
     bars = []
