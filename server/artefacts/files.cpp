@@ -165,11 +165,4 @@ api::Status move_folder(const std::filesystem::path& from, const std::filesystem
   return sync_folder(from.parent_path());
 }
 
-api::Status remove_tree(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::remove_all(folder, error);
-  if (error) return file_error("remove " + folder.string(), error.value());
-  return api::Done{};
-}
-
 }  // namespace server

@@ -30,8 +30,11 @@ api::Status verify_file(const std::filesystem::path& folder, const ClaimedFile& 
                         const std::atomic<bool>& stopping = kNeverStops);
 
 /// Every file exists below `folder` as a regular file under a plain relative path, with that size and hash,
-/// and no path comes twice. Errors: invalid_request naming the first file that does not. The worker has
-/// parsed a stranger's upload, so it is believed nothing.
-api::Status verify_files(const std::filesystem::path& folder, const std::vector<ClaimedFile>& files);
+/// and no path comes twice. Errors: invalid_request naming the first file that does not; stopped. The worker
+/// has parsed a stranger's upload, so it is believed nothing, and must not make us read for days: a file has
+/// one name only, all of them together are not much larger than what they take on disk, and half an hour is
+/// enough to read them.
+api::Status verify_files(const std::filesystem::path& folder, const std::vector<ClaimedFile>& files,
+                         const std::atomic<bool>& stopping = kNeverStops);
 
 }  // namespace server

@@ -15,7 +15,8 @@ enum class OutcomeKind {
   time_over,       ///< we stopped it at the job's deadline or run time: no other attempt
   paused,          ///< we stopped it because the job is to pause
   server_stopped,  ///< we stopped it because the server ends; not the job's fault
-  lost,            ///< crashed, killed, stuck, or could not be started: counts as an attempt
+  not_started,     ///< there was no worker; not the job's fault
+  lost,            ///< crashed, killed, or stuck: counts as an attempt
 };
 
 struct AttemptOutcome {

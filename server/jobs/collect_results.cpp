@@ -1,5 +1,7 @@
 #include "server/jobs/collect_results.h"
 
+#include <algorithm>
+
 #include "api/json/json_text.h"
 #include "api/json/reader.h"
 #include "server/artefacts/files.h"
@@ -13,11 +15,20 @@ constexpr std::int64_t kManifestBytesMax = 64 << 20;
 constexpr std::int64_t kKeyFramesBytesMax = 8 << 20;
 constexpr std::int64_t kReportBytesMax = 8 << 20;  // as much as api::parse_json takes
 constexpr std::size_t kArtefactsMax = 100'000;
+constexpr std::size_t kArtefactsPerFrameMax = 256;  // pictures of each camera in each format
+constexpr std::size_t kArtefactsBesideMax = 1000;
+constexpr std::size_t kViewFilesMax = 10'000;  // of all frames, in every format
+constexpr std::size_t kValuesOfEntry = 5;      // itself and its members
+constexpr std::size_t kBytesOfEntry = 2048;    // a path of 512 bytes, each of which may be written \u00xx
 constexpr std::size_t kPathBytesMax = 512;
 constexpr std::size_t kMediaTypeBytesMax = 100;
 constexpr std::uint64_t kFileBytesMax = std::uint64_t{1} << 50;
 constexpr std::size_t kSha256Digits = 64;
 constexpr std::string_view kManifest = "manifest.json";
+
+std::int64_t bytes_of_manifest(std::size_t entries_max) {
+  return std::min(kManifestBytesMax, static_cast<std::int64_t>(kBytesOfEntry * (entries_max + 1)));
+}
 
 /// One entry of the list; what is wrong with it goes to the findings.
 ArtefactFile read_entry(const api::Node& entry) {
@@ -34,9 +45,11 @@ ArtefactFile read_entry(const api::Node& entry) {
   return file;
 }
 
-api::Result<std::vector<ArtefactFile>> parse_manifest(std::string_view bytes) {
-  api::JsonLimits limits;
-  limits.bytes = kManifestBytesMax;
+/// `entries_max`: with more, nothing is built from it.
+api::Result<std::vector<ArtefactFile>> parse_manifest(std::string_view bytes, std::size_t entries_max) {
+  constexpr std::size_t kDepth = 3;
+  constexpr std::size_t kValuesBeside = 2;
+  const api::JsonLimits limits{kManifestBytesMax, kDepth, kValuesBeside + kValuesOfEntry * entries_max};
   const auto document = api::parse_json(bytes, kManifest, limits);
   if (!document) return document.error();
   api::Findings findings{std::string(kManifest), {}};
@@ -44,7 +57,7 @@ api::Result<std::vector<ArtefactFile>> parse_manifest(std::string_view bytes) {
   std::vector<ArtefactFile> files;
   if (api::is_object_of(root, {"artefacts"})) {
     const auto list = api::required(root, "artefacts");
-    if (list && api::is_array_of(*list, 0, kArtefactsMax))
+    if (list && api::is_array_of(*list, 0, entries_max))
       for (std::size_t i = 0; i < list->json->size(); ++i)
         files.push_back(read_entry(api::element(*list, i)));
   }
@@ -57,14 +70,15 @@ bool is_media_type(std::string_view text) {
   return !text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789/.+-") == text.npos;
 }
 
-api::Status check(const std::filesystem::path& folder, const std::vector<ArtefactFile>& files) {
+api::Status check(const std::filesystem::path& folder, const std::vector<ArtefactFile>& files,
+                  const std::atomic<bool>& stopping = kNeverStops) {
   std::vector<ClaimedFile> claims;
   for (const ArtefactFile& file : files) {
     if (!is_media_type(file.media_type))
       return api::Error{api::Fault::invalid_request, "artefact '" + file.path + "' has a bad media type"};
     claims.push_back({file.path, file.bytes, file.sha256});
   }
-  return verify_files(folder, claims);
+  return verify_files(folder, claims, stopping);
 }
 
 /// Do the intervals follow each other, each longer than nothing and within the animation?
@@ -97,13 +111,16 @@ api::Result<api::KeyFrameReport> read_key_frames(const std::filesystem::path& fo
 
 }  // namespace
 
-api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count) {
+api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count,
+                                     const std::atomic<bool>& stopping) {
   const std::filesystem::path folder = job_folder / "artefacts";
-  const auto manifest = read_below(folder, kManifest, kManifestBytesMax);
+  const std::size_t entries_max =
+      std::min(kArtefactsMax, kArtefactsBesideMax + kArtefactsPerFrameMax * frame_count);
+  const auto manifest = read_below(folder, kManifest, bytes_of_manifest(entries_max));
   if (!manifest) return manifest.error();
-  auto files = parse_manifest(*manifest);
+  auto files = parse_manifest(*manifest, entries_max);
   if (!files) return files.error();
-  if (const api::Status whole = check(folder, *files); !whole) return whole.error();
+  if (const api::Status whole = check(folder, *files, stopping); !whole) return whole.error();
   files->push_back({std::string(kManifest), "application/json", static_cast<std::int64_t>(manifest->size()),
                     sha256_of(*manifest)});
   auto key_frames = read_key_frames(folder, frame_count);
@@ -131,9 +148,9 @@ api::JobReport read_report_at(const std::filesystem::path& folder, std::string_v
 }
 
 api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder) {
-  const auto manifest = read_below(folder, kManifest, kManifestBytesMax);
+  const auto manifest = read_below(folder, kManifest, bytes_of_manifest(kViewFilesMax));
   if (!manifest) return manifest.error();
-  auto files = parse_manifest(*manifest);
+  auto files = parse_manifest(*manifest, kViewFilesMax);
   if (!files) return files;
   if (const api::Status whole = check(folder, *files); !whole) return whole.error();
   return files;

@@ -1,6 +1,7 @@
 // Reads what a worker left in its job folder, believing nothing.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -8,13 +9,16 @@
 
 #include "api/job_report.h"
 #include "api/result.h"
+#include "server/artefacts/verify.h"
 #include "server/store/job_rows.h"
 
 namespace server {
 
 /// artefacts/manifest.json and artefacts/key_frames.json of `job_folder`; every listed file is checked for
-/// size and SHA-256, and manifest.json is added to the list. Errors: invalid_request saying what is wrong.
-api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count);
+/// size and SHA-256, and manifest.json is added to the list. Errors: invalid_request saying what is wrong;
+/// stopped.
+api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count,
+                                     const std::atomic<bool>& stopping = kNeverStops);
 
 /// The same of any folder with a manifest.json, without key-frames: its files, manifest.json not among them.
 api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder);

@@ -48,6 +48,7 @@ api::Result<std::optional<Claim>> JobService::claim(const Room& room) {
 }
 
 api::Status JobService::fail_overdue() {
+  if (clock_doubt_.is_doubtful()) return api::Done{};
   const auto overdue = store_.fail_overdue();
   if (!overdue) return overdue.error();
   if (*overdue > 0) tell_change();
@@ -60,22 +61,24 @@ Wanted JobService::wanted(const Lease& lease, std::int64_t ran_ms) {
   if (!job) return job.error().fault == Fault::wrong_state ? Wanted::cancel : Wanted::go_on;
   if (job->state == JobState::cancel_requested) return Wanted::cancel;
   if (job->state == JobState::pause_requested) return Wanted::pause;
-  if (job->settings.deadline_ms && *job->settings.deadline_ms <= clock_()) return Wanted::deadline_passed;
+  if (job->settings.deadline_ms && *job->settings.deadline_ms <= clock_() && !clock_doubt_.is_doubtful())
+    return Wanted::deadline_passed;
   if (job->settings.max_run_ms && job->run_ms + ran_ms >= *job->settings.max_run_ms)
     return Wanted::run_time_exceeded;
   return Wanted::go_on;
 }
 
-api::Status JobService::end_attempt(const Lease& lease, const AttemptOutcome& outcome) {
+api::Status JobService::end_attempt(const Lease& lease, const AttemptOutcome& outcome,
+                                    const std::atomic<bool>& stopping) {
   api::fault_point("worker_ended");
   const auto job = store_.leased_job(lease);
   if (!job) return job.error();
-  api::Status settled = settle(*job, lease, outcome);
+  api::Status settled = settle(*job, lease, outcome, stopping);
   if (!settled && settled.error().fault == Fault::wrong_state) {
     // Somebody asked to cancel between our look and our step.
     const auto again = store_.leased_job(lease);
     if (!again) return again.error();
-    settled = settle(*again, lease, outcome);
+    settled = settle(*again, lease, outcome, stopping);
   }
   tell_change();
   return settled;
@@ -95,7 +98,28 @@ void JobService::forget_checkpoint(const Job& job) const {
   if (!removed) log_line(job.id + ": " + removed.error().message);
 }
 
-api::Status JobService::settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
+std::optional<std::string> JobService::excess_of(const Job& job) const {
+  const WrittenRules& rules = rules_.written;
+  const FolderSize size = size_of_folder(folder_of(job), {rules.files, rules.depth});
+  if (size.beyond)
+    return "more than " + std::to_string(rules.files) + " files, or folders " + std::to_string(rules.depth) +
+           " deep";
+  double most = static_cast<double>(rules.bytes) +
+                static_cast<double>(job.frame_count) * static_cast<double>(rules.bytes_per_frame);
+  if (const auto forecast = api::parse_forecast(job.forecast))
+    most += static_cast<double>(rules.bytes_per_value) * static_cast<double>(forecast->patches) *
+            static_cast<double>(job.frame_count);
+  most = std::min(
+      {most, static_cast<double>(rules_.bytes_max), static_cast<double>(rules_.bytes_of_one_owner_max)});
+  // Neither holes nor the rest of each file's last block: quotas count neither.
+  const std::int64_t written = std::min(size.bytes, size.on_disk_bytes);
+  if (static_cast<double>(written) <= most) return std::nullopt;
+  return std::to_string(written) + " bytes, " + std::to_string(static_cast<std::int64_t>(most)) +
+         " are allowed";
+}
+
+api::Status JobService::settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome,
+                               const std::atomic<bool>& stopping) {
   // The checkpoint stays, also of a job that is canceled or has failed: it may be tried again.
   const bool folder_changes = outcome.kind == OutcomeKind::done || outcome.kind == OutcomeKind::disk_full;
   if (job.state == JobState::cancel_requested || !folder_changes) record_bytes(job);
@@ -103,7 +127,7 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
   const StepReason why{outcome.reason, with_log(outcome)};
   switch (outcome.kind) {
     case OutcomeKind::done:
-      return succeed(job, lease, outcome);
+      return succeed(job, lease, outcome, stopping);
     case OutcomeKind::refused:
     case OutcomeKind::limit_exceeded: {
       const api::JobReport report = read_report(folder_.job(job.id));
@@ -118,6 +142,7 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
                          api::job_report_json(read_report(folder_.job(job.id))));
     case OutcomeKind::server_stopped:
     case OutcomeKind::paused:
+    case OutcomeKind::not_started:
       return store_.requeue(lease, {outcome.reason, outcome.message}, outcome.end, false);
     case OutcomeKind::lost:
       return try_again_or_fail(job, lease, outcome);
@@ -125,9 +150,18 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
   return api::Error{Fault::internal, "an attempt ended in no known way"};
 }
 
-api::Status JobService::succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome) {
+api::Status JobService::succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome,
+                                const std::atomic<bool>& stopping) {
   const std::filesystem::path folder = folder_.job(job.id);
-  const auto results = collect_results(folder, job.frame_count);
+  if (const auto excess = excess_of(job)) {
+    record_bytes(job);
+    return store_.fail(lease, {"limit_exceeded", "the worker left " + *excess}, outcome.end, {});
+  }
+  // Only a job that has succeeded has views and videos: whatever lies there now was planted, to be served.
+  for (const char* part : {"views", "videos"})
+    if (api::Status removed = remove_tree(folder / part); !removed) return removed;
+  const auto results = collect_results(folder, job.frame_count, stopping);
+  if (!results && results.error().fault == Fault::stopped) return results.error();
   if (results) forget_checkpoint(job);
   record_bytes(job);
   api::fault_point("results_collected");
@@ -150,10 +184,11 @@ api::Status JobService::wait_for_room_or_fail(const Job& job, const Lease& lease
                                               const AttemptOutcome& outcome) {
   const auto earlier = store_.count_attempts(lease.job_seq, outcome.reason);
   if (!earlier) return earlier.error();
-  // What it has written is part of what fills the disk, so what could be used again goes too.
-  forget_checkpoint(job);
+  // What it has written is part of what fills the disk. The checkpoint, which can be used again, goes only
+  // where there is no room without it: jobs that each keep theirs must not wait for each other.
   const api::Status removed = remove_tree(folder_.job(job.id) / "artefacts");
   if (!removed) log_line(job.id + ": " + removed.error().message);
+  if (!has_room(folder_.jobs())) forget_checkpoint(job);
   record_bytes(job);
   const std::string message = with_log(outcome);
   if (*earlier + 1 >= rules_.disk_full_attempts_max)

@@ -84,8 +84,12 @@ api::Result<Job> JobService::change(std::string_view id, const api::JobOptions& 
 }
 
 api::Status JobService::remove(std::string_view id) {
+  return remove(id, JobStore::RemovalOf::any);
+}
+
+api::Status JobService::remove(std::string_view id, JobStore::RemovalOf kind) {
   const std::lock_guard lock(removing_);
-  if (api::Status begun = store_.begin_removal(id); !begun) return begun;
+  if (api::Status begun = store_.begin_removal(id, kind); !begun) return begun;
   api::fault_point("removal_marked");
   end_making_(std::string(id));
   return remove_files_and_row(std::string(id));

@@ -27,6 +27,16 @@ struct BlobRules {
   std::int64_t unused_ms = 24 * 3600 * 1000;         ///< after so long without use they go
 };
 
+/// What a worker may leave in its job's folder: far more than an honest one does, and an end to what another
+/// could. No more than the quotas either.
+struct WrittenRules {
+  std::int64_t files = 200'000;  ///< and folders
+  int depth = 16;                ///< of folders in folders
+  std::int64_t bytes = std::int64_t{8} << 30;
+  std::int64_t bytes_per_frame = std::int64_t{256} << 20;  ///< beside them, for pictures
+  std::int64_t bytes_per_value = 160;  ///< beside those, for each patch in each frame; honest: 40 at most
+};
+
 struct JobRules {
   std::uint32_t attempts_without_progress_max = 3;
   std::int64_t queued_max = 10'000;
@@ -44,6 +54,7 @@ struct JobRules {
   std::uint32_t disk_full_attempts_max = 10;
   std::int64_t disk_full_wait_ms = 30'000;  ///< doubled with every attempt, up to disk_full_wait_ms_max
   std::int64_t disk_full_wait_ms_max = 3'600'000;
+  WrittenRules written;
   WorkerBudget budget;
   CheckJob check;
   CheckJob preview = {};  ///< the same, but for the forecast, and leaves preview.npz as well

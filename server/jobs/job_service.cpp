@@ -41,11 +41,12 @@ api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t no
                     {{std::string(file), "/deadline", 0, 0, "out_of_range", detail}}};
 }
 
-JobService::JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock)
+JobService::JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock, Clock steady)
     : store_(store),
       folder_(folder),
       rules_(std::move(rules)),
       clock_(std::move(clock)),
+      clock_doubt_(clock_, std::move(steady)),
       blobs_(folder.blobs()) {}
 
 api::Result<Job> JobService::submit(const Upload& upload) {

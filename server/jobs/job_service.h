@@ -20,7 +20,9 @@
 #include "server/artefacts/blobs.h"
 #include "server/artefacts/data_folder.h"
 #include "server/artefacts/files.h"
+#include "server/artefacts/verify.h"
 #include "server/jobs/attempt_outcome.h"
+#include "server/jobs/clock_doubt.h"
 #include "server/jobs/job_rules.h"
 #include "server/jobs/submission_keys.h"
 #include "server/store/job_store.h"
@@ -79,7 +81,7 @@ struct Removal {
 
 /// What the collection of garbage has done since the server started.
 struct GarbageReport {
-  std::int64_t last_ms = 0;  ///< when it last came to its end; 0: not yet
+  std::int64_t last_ms = 0;  ///< when it last did all there was to do; 0: not yet
   std::int64_t jobs = 0;     ///< removed because their time was over
   std::int64_t bytes = 0;
   std::int64_t evicted_jobs = 0;  ///< removed to make room for others
@@ -95,7 +97,9 @@ api::Status refuse_past_deadline(const api::JobOptions& options, std::int64_t no
 /// Safe for use by several threads.
 class JobService {
  public:
-  JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock = system_clock_ms);
+  /// `steady`: runs like the wall clock `clock`, but cannot be set.
+  JobService(JobStore& store, const DataFolder& folder, JobRules rules, Clock clock = system_clock_ms,
+             Clock steady = boot_clock_ms);
 
   // Submission: job_service.cpp, submission_keys.cpp.
   /// Checks the upload in full, then makes it a queued job that survives whatever happens from now on. On any
@@ -202,8 +206,14 @@ class JobService {
   /// Is this attempt, which has been running for so long, still wanted?
   Wanted wanted(const Lease& lease, std::int64_t ran_ms = 0);
   void set_use(const WorkerUse& use);
-  /// The worker of this attempt is dead: what becomes of the job follows from how it ended.
-  api::Status end_attempt(const Lease& lease, const AttemptOutcome& outcome);
+  /// Why no worker can be started, for whoever looks at the queue; empty: they can.
+  void set_trouble(std::string why);
+  /// What its worker has written beyond what it may; none: it keeps to that.
+  std::optional<std::string> excess_of(const Job& job) const;
+  /// The worker of this attempt is dead: what becomes of the job follows from how it ended. Takes as long as
+  /// reading what it has left; Fault::stopped soon after `stopping` turns true, and the job is still running.
+  api::Status end_attempt(const Lease& lease, const AttemptOutcome& outcome,
+                          const std::atomic<bool>& stopping = kNeverStops);
 
   // At start-up, in this order.
   api::Result<std::vector<Orphan>> orphans() { return store_.orphans(); }
@@ -226,17 +236,21 @@ class JobService {
   void forget_checkpoint(const Job& job) const;
   void tell_change();
   api::Result<bool> is_held();
-  api::Status settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
+  api::Status settle(const Job& job, const Lease& lease, const AttemptOutcome& outcome,
+                     const std::atomic<bool>& stopping);
   api::Status settle_orphan(const Orphan& orphan);
-  api::Status succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
+  api::Status succeed(const Job& job, const Lease& lease, const AttemptOutcome& outcome,
+                      const std::atomic<bool>& stopping);
   api::Status wait_for_room_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
   api::Status try_again_or_fail(const Job& job, const Lease& lease, const AttemptOutcome& outcome);
+  api::Status remove(std::string_view id, JobStore::RemovalOf kind);
   api::Status remove_files_and_row(const std::string& id);
 
   JobStore& store_;
   const DataFolder& folder_;
   JobRules rules_;
   Clock clock_;
+  ClockDoubt clock_doubt_;
   mutable std::mutex parsing_;
   Blobs blobs_;
   std::mutex keeping_;             ///< of blobs, and of their rows
@@ -252,6 +266,7 @@ class JobService {
   bool stopping_ = false;
   bool held_ = false;  ///< the disk was full when a job was to be started last
   WorkerUse use_;
+  std::string trouble_;  ///< why no worker can be started
   GarbageReport garbage_;
   std::shared_ptr<const QueuePositions> positions_;
   std::uint64_t positions_of_change_ = 0;

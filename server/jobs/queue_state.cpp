@@ -29,7 +29,7 @@ api::Result<QueueReport> JobService::queue(const Viewer& viewer) {
   if (!counts) return counts.error();
   const std::lock_guard lock(state_);
   const api::Status room = has_room(folder_.jobs());
-  return QueueReport{*queue, std::move(*counts), use_, rules_.budget, room ? "" : room.error().message};
+  return QueueReport{*queue, std::move(*counts), use_, rules_.budget, room ? trouble_ : room.error().message};
 }
 
 api::Result<QueueReport> JobService::pause_queue(std::string_view reason) {
@@ -75,6 +75,11 @@ void JobService::set_use(const WorkerUse& use) {
   use_ = use;
 }
 
+void JobService::set_trouble(std::string why) {
+  const std::lock_guard lock(state_);
+  trouble_ = std::move(why);
+}
+
 api::Result<Job> JobService::wait_until_final(std::string_view id, std::chrono::milliseconds patience) {
   const auto deadline = SteadyClock::now() + patience;
   std::unique_lock lock(state_);
@@ -106,7 +111,8 @@ void JobService::stop_waiting() {
 }
 
 api::Status JobService::collect_garbage() {
-  if (api::Status mended = store_.mend_times(); !mended) return mended;
+  if (api::Status mended = store_.mend_times(rules_.disk_full_wait_ms_max); !mended) return mended;
+  if (clock_doubt_.is_doubtful()) return api::Done{};
   if (api::Status forgotten = store_.forget_keys(clock_() - rules_.key_ms); !forgotten) return forgotten;
   {
     const std::lock_guard lock(keeping_);
@@ -116,9 +122,16 @@ api::Status JobService::collect_garbage() {
   if (!expired) return expired.error();
   std::int64_t jobs = 0;
   std::int64_t bytes = 0;
+  bool all = true;
   for (const std::string& id : *expired) {
     const FolderSize size = size_of_folder(folder_.job(id));
-    if (const api::Status removed = remove(id); !removed) {
+    const api::Status removed = remove(id, JobStore::RemovalOf::expired);
+    // Gone, pinned, or to be kept for longer, in the moment since.
+    if (!removed &&
+        (removed.error().fault == api::Fault::wrong_state || removed.error().fault == api::Fault::not_found))
+      continue;
+    if (!removed) {
+      all = false;
       log_line(id + " is over its time but cannot be removed: " + removed.error().message);
       continue;
     }
@@ -132,7 +145,7 @@ api::Status JobService::collect_garbage() {
   if (const api::Status room = make_room(0); !room && room.error().fault != api::Fault::over_quota)
     return room;
   const std::lock_guard lock(state_);
-  garbage_.last_ms = clock_();
+  if (all) garbage_.last_ms = clock_();
   garbage_.jobs += jobs;
   garbage_.bytes += bytes;
   return api::Done{};

@@ -49,7 +49,7 @@ api::Status JobService::make_room(std::int64_t bytes) {
       if (*kept + bytes <= rules_.bytes_max) return api::Done{};
       // Gone or started anew meanwhile: no harm. A file that cannot be removed: the job is marked, and the
       // next start tries again.
-      if (const api::Status removed = remove(job.id); !removed) {
+      if (const api::Status removed = remove(job.id, JobStore::RemovalOf::unpinned); !removed) {
         log_line(job.id + " cannot be evicted: " + removed.error().message);
         if (removed.error().fault == Fault::disk_full) return removed;
         continue;

@@ -39,11 +39,19 @@ api::Result<JobState> JobStore::record_progress(const Lease& lease, const api::P
       "UPDATE job SET stage = ?, stage_fraction = ?, fraction = max(fraction, ?), progress_message = ?, "
       "seconds_left = ?, "
       "attempts_without_progress = CASE WHEN attempt > 1 AND ? >= best_fraction + ? THEN 0 "
-      "ELSE attempts_without_progress END, updated_ms = ?, version = version + 1 "
+      "ELSE attempts_without_progress END, "
+      "forgiven_attempt = CASE WHEN attempt > 1 AND ? >= best_fraction + ? THEN attempt - 1 "
+      "ELSE forgiven_attempt END, updated_ms = ?, version = version + 1 "
       "WHERE seq = ? AND lease = ? AND state IN ('running', 'cancel_requested') RETURNING state");
   update.bind(api::name_of(line.stage)).bind(line.stage_fraction).bind(line.fraction).bind(line.message);
   update.bind_optional(line.seconds_left);
-  update.bind(line.fraction).bind(kProgressStep).bind(clock_()).bind(lease.job_seq).bind(lease.token);
+  update.bind(line.fraction)
+      .bind(kProgressStep)
+      .bind(line.fraction)
+      .bind(kProgressStep)
+      .bind(clock_())
+      .bind(lease.job_seq)
+      .bind(lease.token);
   const std::string state = update.next() ? update.text(0) : "";
   if (const api::Status done = update.run(); !done) return done.error();
   const auto known = api::job_state_named(state);
@@ -170,7 +178,9 @@ api::Status JobStore::finish_cancel(const Lease& lease, const AttemptEnd& end) {
 
 api::Result<std::int64_t> JobStore::count_attempts(std::int64_t job_seq, std::string_view reason) {
   const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT count(*) FROM attempt WHERE job_seq = ? AND outcome = ?");
+  Statement select = database_.prepare(
+      "SELECT count(*) FROM attempt JOIN job ON seq = job_seq "
+      "WHERE job_seq = ? AND outcome = ? AND number > forgiven_attempt");
   select.bind(job_seq).bind(reason);
   const std::int64_t count = select.next() ? select.integer(0) : 0;
   if (const api::Status ok = select.status(); !ok) return ok.error();

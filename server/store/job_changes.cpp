@@ -49,6 +49,7 @@ api::Result<Job> JobStore::wish(std::string_view id, JobEvent event, const StepR
     // All chances anew; a deadline that has passed would end it at once.
     Statement anew = database_.prepare(
         "UPDATE job SET attempts_without_progress = 0, best_fraction = 0, run_ms = 0, report = NULL, "
+        "forgiven_attempt = attempt, "
         "deadline_ms = CASE WHEN deadline_ms > ? THEN deadline_ms END WHERE seq = ?");
     if (const api::Status done = anew.bind(clock_()).bind(job->seq).run(); !done) return done.error();
   }

@@ -117,11 +117,15 @@ api::Result<std::int64_t> JobStore::fail_overdue() {
   return static_cast<std::int64_t>(overdue.size());
 }
 
-api::Status JobStore::mend_times() {
+api::Status JobStore::mend_times(std::int64_t wait_ms_max) {
   const std::lock_guard lock(mutex_);
   const std::int64_t now = clock_();
   Statement jobs = database_.prepare("UPDATE job SET queued_ms = ? WHERE state = 'queued' AND queued_ms > ?");
   if (api::Status done = jobs.bind(now).bind(now).run(); !done) return done;
+  const std::int64_t latest = now > INT64_MAX - wait_ms_max ? INT64_MAX : now + wait_ms_max;
+  Statement waits =
+      database_.prepare("UPDATE job SET not_before_ms = ? WHERE state = 'queued' AND not_before_ms > ?");
+  if (api::Status done = waits.bind(latest).bind(latest).run(); !done) return done;
   Statement turns = database_.prepare("UPDATE owner_turn SET started_ms = ? WHERE started_ms > ?");
   return turns.bind(now).bind(now).run();
 }

@@ -14,7 +14,7 @@ api::Result<std::vector<std::string>> ids_of(Statement& select) {
 
 }  // namespace
 
-api::Status JobStore::begin_removal(std::string_view id) {
+api::Status JobStore::begin_removal(std::string_view id, RemovalOf kind) {
   const std::lock_guard lock(mutex_);
   Statement begun = database_.prepare("SELECT 1 FROM job WHERE id = ? AND removing = 1");
   if (begun.bind(id).next()) return api::Done{};
@@ -24,8 +24,15 @@ api::Status JobStore::begin_removal(std::string_view id) {
   if (!api::is_final(job->state))
     return api::Error{api::Fault::wrong_state, "the job is " + std::string(api::name_of(job->state)) +
                                                    "; cancel it first, then remove it"};
-  Statement mark = database_.prepare("UPDATE job SET removing = 1, version = version + 1 WHERE seq = ?");
-  return mark.bind(job->seq).run();
+  // Looked at again in the same breath: whoever chose the job did so a moment ago.
+  Statement mark = database_.prepare(
+      "UPDATE job SET removing = 1, version = version + 1 WHERE seq = ? AND (? OR pinned = 0) AND "
+      "(? OR coalesce(expires_ms <= ?, 0))");
+  mark.bind(job->seq).bind(std::int64_t{kind == RemovalOf::any});
+  mark.bind(std::int64_t{kind != RemovalOf::expired}).bind(clock_());
+  if (api::Status done = mark.run(); !done) return done;
+  if (database_.changes() == 1) return api::Done{};
+  return api::Error{api::Fault::wrong_state, "the job is to be kept"};
 }
 
 api::Status JobStore::erase(std::string_view id) {

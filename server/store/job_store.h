@@ -64,7 +64,10 @@ class JobStore {
   // Removal and what is kept: job_retention.cpp.
   /// Marks a finished job as being removed: from now on nobody sees it. The row goes with `erase`. Marking it
   /// again is no error, so that a removal that failed halfway can be asked for again.
-  api::Status begin_removal(std::string_view id);
+  enum class RemovalOf { any, expired, unpinned };
+  /// Errors: wrong_state where the job is no longer of that kind: somebody has pinned it, or its time is
+  /// longer now.
+  api::Status begin_removal(std::string_view id, RemovalOf kind = RemovalOf::any);
   api::Status erase(std::string_view id);
   api::Result<std::vector<std::string>> jobs_being_removed();
   /// Of all jobs that have a row, those being removed included.
@@ -122,8 +125,9 @@ class JobStore {
   api::Result<std::vector<OwnerTurn>> owner_turns();
   /// Queued and paused jobs whose deadline has passed become failed. -> how many
   api::Result<std::int64_t> fail_overdue();
-  /// The wall clock may have jumped: nobody has been waiting, or was served, later than now.
-  api::Status mend_times();
+  /// The wall clock may have jumped: nobody has been waiting, or was served, later than now, and nobody waits
+  /// longer than `wait_ms_max` from now on.
+  api::Status mend_times(std::int64_t wait_ms_max = INT64_MAX);
 
   // Attempts: job_claims.cpp, job_attempts.cpp.
   /// The job whose turn it is, of those that fit into `room`, becomes running under a new lease; none:
@@ -141,7 +145,7 @@ class JobStore {
   api::Status requeue(const Lease& lease, const StepReason& why, const AttemptEnd& end, bool counted,
                       std::int64_t not_before_ms = 0);
   api::Status finish_cancel(const Lease& lease, const AttemptEnd& end);
-  /// Of this job, that ended for this reason.
+  /// Of this job, that ended for this reason since it was retried, or made progress, last.
   api::Result<std::int64_t> count_attempts(std::int64_t job_seq, std::string_view reason);
   api::Result<std::vector<Orphan>> orphans();
   /// The wall clock may have jumped while the server was down: nobody waits longer than from now on.

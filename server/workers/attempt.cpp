@@ -63,7 +63,17 @@ void RunningAttempt::look(bool stopping, bool at_once) {
   if (!worker_) return;
   take_output();
   follow_progress(at_once);
+  if (SteadyClock::now() >= next_measure_) measure();
   consider_ending(stopping);
+}
+
+// A folder of many files takes long to look through: a small share of the time, however many there are.
+void RunningAttempt::measure() {
+  constexpr int kShareOfTime = 20;
+  const auto begin = SteadyClock::now();
+  excess_ = jobs_.excess_of(claim_.job).value_or("");
+  const auto end = SteadyClock::now();
+  next_measure_ = end + std::max<SteadyClock::duration>(rules_.measure_every, kShareOfTime * (end - begin));
 }
 
 void RunningAttempt::take_output() {
@@ -110,6 +120,7 @@ RunningAttempt::Killed RunningAttempt::reason_to_end(bool stopping) const {
   }
   if (stopping) return Killed::server_stopped;
   if (tail_.flooded()) return Killed::flooded;
+  if (!excess_.empty()) return Killed::wrote_too_much;
   if (now - last_sign_ >= rules_.silence_max || now - last_line_ >= rules_.busy_silence_max)
     return Killed::stuck;
   return Killed::no;
@@ -120,7 +131,8 @@ void RunningAttempt::consider_ending(bool stopping) {
   const Killed reason = reason_to_end(stopping);
   if (killed_ == Killed::no && reason != Killed::no) {
     killed_ = reason;
-    const bool polite = killed_ != Killed::stuck && killed_ != Killed::flooded;
+    const bool polite =
+        killed_ != Killed::stuck && killed_ != Killed::flooded && killed_ != Killed::wrote_too_much;
     worker_->signal_group(polite ? SIGTERM : SIGKILL);
     kill_at_ = now + (killed_ == Killed::canceled ? rules_.cancel_grace : rules_.stop_grace);
   } else if (killed_ == Killed::paused && reason == Killed::canceled) {
@@ -136,7 +148,7 @@ std::int64_t RunningAttempt::ran_ms() const {
 }
 
 AttemptOutcome RunningAttempt::end() {
-  if (!worker_) return {OutcomeKind::lost, "worker_not_started", not_started_, {}, {}};
+  if (!worker_) return {OutcomeKind::not_started, "worker_not_started", not_started_, {}, {}};
   if (log_open_) (void)log_.take_from(worker_->output());
   ProgressTail::News news = tail_.read();
   if (news.newest) unrecorded_ = std::move(news.newest);
@@ -166,6 +178,9 @@ AttemptOutcome RunningAttempt::outcome_of_killing(const AttemptEnd& end) const {
     case Killed::flooded:
       return outcome(OutcomeKind::lost, "worker_flooded",
                      "the worker wrote progress without end and was killed");
+    case Killed::wrote_too_much:
+      return outcome(OutcomeKind::limit_exceeded, "limit_exceeded",
+                     "the worker was killed: it had written " + excess_);
     case Killed::server_stopped:
       return outcome(OutcomeKind::server_stopped, "server_stopped", "the server was stopped");
     case Killed::paused:

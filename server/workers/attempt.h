@@ -29,6 +29,9 @@ struct WorkerRules {
   std::chrono::milliseconds record_every{500};            ///< at most two writes to the store per second
   std::chrono::milliseconds retry_every{5'000};           ///< what the store could not take
   std::chrono::milliseconds collect_every{60'000};        ///< jobs whose time is over
+  std::chrono::milliseconds measure_every{5'000};         ///< what a worker has written, at most so often
+  std::chrono::milliseconds start_again_after{1'000};     ///< where no worker could be started; then doubled
+  std::chrono::milliseconds start_again_after_max{60'000};
 };
 
 /// A worker on a claimed job. To be looked at often, by the thread that made it, which must live as long as
@@ -43,6 +46,8 @@ class RunningAttempt {
   const Claim& claim() const { return claim_; }
   /// As forecast; 0: not known.
   std::int64_t memory_bytes() const { return memory_bytes_; }
+  /// Why there is no worker; empty: there is, or was, one.
+  const std::string& why_not_started() const { return not_started_; }
   bool has_ended() const { return !worker_ || worker_->has_ended(); }
   /// To wait for (poll): the worker's end; more of its output, -1 when there is no more.
   int ended_descriptor() const { return worker_ ? worker_->ended_descriptor() : -1; }
@@ -66,7 +71,8 @@ class RunningAttempt {
     run_time_exceeded,
     server_stopped,
     stuck,
-    flooded
+    flooded,
+    wrote_too_much
   };
 
   std::uint64_t memory_limit() const;
@@ -75,6 +81,7 @@ class RunningAttempt {
   void follow_progress(bool at_once);
   void record();
   void notice_signs_of_life();
+  void measure();
   Killed reason_to_end(bool stopping) const;
   void consider_ending(bool stopping);
   std::int64_t ran_ms() const;
@@ -93,10 +100,12 @@ class RunningAttempt {
   Killed killed_ = Killed::no;
   std::optional<api::ProgressLine> unrecorded_;
   std::int64_t processor_ticks_ = 0;
+  std::string excess_;  ///< what it wrote beyond what it may
   const SteadyClock::time_point began_ = SteadyClock::now();
   SteadyClock::time_point last_line_ = began_;
   SteadyClock::time_point last_sign_ = began_;  ///< a line, or processor time taken
   SteadyClock::time_point next_record_{};
+  SteadyClock::time_point next_measure_ = began_ + rules_.measure_every;
   SteadyClock::time_point kill_at_{};
 };
 

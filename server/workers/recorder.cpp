@@ -14,7 +14,9 @@ Recorder::Recorder(JobService& jobs, RecorderRules rules, std::function<void()> 
 void Recorder::start(std::vector<Orphan> orphans) {
   orphans_ = std::move(orphans);
   catch_up();
-  thread_ = std::thread([this] { run(); });
+  at_work_ = std::max<std::size_t>(rules_.at_once, 1);
+  threads_.emplace_back([this] { run(); });
+  while (threads_.size() < rules_.at_once) threads_.emplace_back([this] { run_beside(); });
 }
 
 void Recorder::add(EndedAttempt ended) {
@@ -27,39 +29,73 @@ void Recorder::add(EndedAttempt ended) {
 
 void Recorder::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     stopping_ = true;
+    added_.notify_all();
+    ended_.wait_for(lock, rules_.stop_patience, [this] { return at_work_ == 0; });
   }
-  added_.notify_one();
-  if (thread_.joinable()) thread_.join();
+  aborted_ = true;
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+}
+
+/// None: there was nothing until then, or the server stops and nothing is left.
+std::optional<EndedAttempt> Recorder::next(SteadyClock::time_point until) {
+  std::unique_lock lock(mutex_);
+  added_.wait_until(lock, until, [this] { return stopping_ || !new_.empty(); });
+  if (new_.empty()) return std::nullopt;
+  EndedAttempt ended = std::move(new_.front());
+  new_.pop_front();
+  return ended;
+}
+
+void Recorder::record_or_keep(EndedAttempt ended) {
+  if (!record(ended)) {
+    const std::lock_guard lock(mutex_);
+    unrecorded_.push_back(std::move(ended));
+  }
+  recorded_();
 }
 
 void Recorder::run() {
-  bool stopping = false;
-  while (!stopping) {
-    std::vector<EndedAttempt> ended;
-    {
-      std::unique_lock lock(mutex_);
-      added_.wait_until(lock, std::min(catch_up_at_, collect_at_),
-                        [this] { return stopping_ || !new_.empty(); });
-      ended.swap(new_);
-      stopping = stopping_;
-    }
-    for (EndedAttempt& attempt : ended)
-      if (!record(attempt)) unrecorded_.push_back(std::move(attempt));
-    if (!ended.empty()) recorded_();
+  const auto stopping = [this] {
+    const std::lock_guard lock(mutex_);
+    return stopping_ && new_.empty();
+  };
+  while (!stopping()) {
+    if (auto ended = next(std::min(catch_up_at_, collect_at_))) record_or_keep(std::move(*ended));
     if (SteadyClock::now() >= catch_up_at_) catch_up();
-    if (!stopping && SteadyClock::now() >= collect_at_) collect_garbage();
+    if (!stopping() && SteadyClock::now() >= collect_at_) collect_garbage();
   }
+  const std::lock_guard lock(mutex_);
+  --at_work_;
+  ended_.notify_all();
+}
+
+void Recorder::run_beside() {
+  constexpr std::chrono::hours kLong{1};
+  for (bool stopping = false; !stopping;) {
+    if (auto ended = next(SteadyClock::now() + kLong)) record_or_keep(std::move(*ended));
+    const std::lock_guard lock(mutex_);
+    stopping = stopping_ && new_.empty();
+  }
+  const std::lock_guard lock(mutex_);
+  --at_work_;
+  ended_.notify_all();
 }
 
 // The database may be unable to write for a while (full disk). That must neither end the service nor hold up
 // the other jobs; a job whose end is not written stays `running` until then, or until the next start.
 void Recorder::catch_up() {
-  const auto before = orphans_.size() + unrecorded_.size();
+  const auto before = orphans_.size();
   std::erase_if(orphans_, [this](const Orphan& orphan) { return take_up(orphan); });
-  std::erase_if(unrecorded_, [this](const EndedAttempt& ended) { return record(ended); });
-  if (orphans_.size() + unrecorded_.size() != before) recorded_();
+  std::vector<EndedAttempt> again;
+  {
+    const std::lock_guard lock(mutex_);
+    again.swap(unrecorded_);
+  }
+  for (EndedAttempt& ended : again) record_or_keep(std::move(ended));
+  if (orphans_.size() != before) recorded_();
   catch_up_at_ = SteadyClock::now() + rules_.retry_every;
 }
 
@@ -83,7 +119,7 @@ bool Recorder::take_up(const Orphan& orphan) {
 }
 
 bool Recorder::record(const EndedAttempt& ended) {
-  const api::Status recorded = jobs_.end_attempt(ended.lease, ended.outcome);
+  const api::Status recorded = jobs_.end_attempt(ended.lease, ended.outcome, aborted_);
   if (!recorded && recorded.error().fault != api::Fault::wrong_state) {
     complain(ended.id + " cannot record the end of an attempt yet: " + recorded.error().message);
     return false;
@@ -96,6 +132,7 @@ bool Recorder::record(const EndedAttempt& ended) {
 }
 
 void Recorder::complain(const std::string& trouble) {
+  const std::lock_guard lock(mutex_);
   if (trouble != last_complaint_) log_line(trouble);
   last_complaint_ = trouble;
 }

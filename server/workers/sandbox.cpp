@@ -20,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "server/artefacts/files.h"
@@ -29,6 +30,7 @@ namespace {
 
 constexpr long kCreateRuleset = 444;  // the same number on every architecture
 constexpr std::chrono::seconds kStraysMax{2};
+constexpr std::chrono::milliseconds kLookAgainAfter{1};
 
 void lower(pid_t child, decltype(RLIMIT_CPU) resource, rlim_t most) {
   rlimit limit{};
@@ -122,9 +124,10 @@ int kill_strays(std::span<const pid_t> known) {
     const std::vector<pid_t> found = strays(all_processes(), known);
     if (found.empty()) break;
     for (const pid_t pid : found) (void)::kill(pid, SIGKILL);
+    // One that does not die (a disk that does not answer) must not hold up whoever starts the next child.
     for (const pid_t pid : found)
-      while (::waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
-      }
+      while (::waitpid(pid, nullptr, WNOHANG) == 0 && std::chrono::steady_clock::now() < give_up)
+        std::this_thread::sleep_for(kLookAgainAfter);
     killed += static_cast<int>(found.size());
   }
   return killed;

@@ -2,6 +2,7 @@
 
 #include <poll.h>
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -62,6 +63,7 @@ WorkerUse Supervisor::use() const {
 }
 
 bool Supervisor::start_next() {
+  if (std::chrono::steady_clock::now() < start_again_at_) return false;
   const WorkerUse used = use();
   const bool alone = running_.empty();
   if (!alone && used.cores + rules_.cores_per_job > rules_.budget.cores) return false;
@@ -70,8 +72,24 @@ bool Supervisor::start_next() {
   if (!claim || !*claim) return false;
   log_line((*claim)->job.id + " attempt " + std::to_string((*claim)->job.attempt) + " begins");
   running_.push_back(std::make_unique<RunningAttempt>(jobs_, std::move(**claim), rules_));
+  notice_start(running_.back()->why_not_started());
   jobs_.set_use(use());
   return true;
+}
+
+// A program that is missing while it is replaced, or no memory for a process: no job's fault, and for the
+// next job it would be the same. So all wait.
+void Supervisor::notice_start(const std::string& why_not) {
+  if (why_not.empty()) {
+    if (start_again_after_.count() > 0) jobs_.set_trouble("");
+    start_again_after_ = {};
+    return;
+  }
+  start_again_after_ = start_again_after_.count() == 0
+                           ? rules_.start_again_after
+                           : std::min(2 * start_again_after_, rules_.start_again_after_max);
+  start_again_at_ = std::chrono::steady_clock::now() + start_again_after_;
+  jobs_.set_trouble("no worker can be started: " + why_not);
 }
 
 void Supervisor::wait() {

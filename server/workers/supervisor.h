@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <thread>
@@ -35,7 +36,8 @@ class Supervisor {
  private:
   void run();
   WorkerUse use() const;
-  bool start_next();  ///< false: nothing to start, or no room
+  bool start_next();  ///< false: nothing to start, no room, or none can be started now
+  void notice_start(const std::string& why_not);
   void wait();
   void look_at_all();
   void complain(const std::string& trouble);
@@ -47,6 +49,8 @@ class Supervisor {
   std::vector<std::unique_ptr<RunningAttempt>> running_;
   std::string last_complaint_;  ///< said once, not every second
   bool rung_ = false;
+  std::chrono::milliseconds start_again_after_{0};  ///< 0: workers can be started
+  std::chrono::steady_clock::time_point start_again_at_{};
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

@@ -172,6 +172,58 @@ int leave_a_hidden_process(const path& job) {
   return succeed(job);
 }
 
+/// The same bytes under many names: quick to make, slow to read.
+int publish_hard_links(const path& job) {
+  publish(job, {honest("first", "numbers"), honest("second", "numbers")});
+  std::filesystem::remove(job / "artefacts/second");
+  std::filesystem::create_hard_link(job / "artefacts/first", job / "artefacts/second");
+  return 0;
+}
+
+int publish_holes(const path& job) {
+  constexpr std::uintmax_t kBytes = std::uintmax_t{64} << 30;
+  const std::string hash = server::sha256_of("");
+  publish(job, {{"huge", "", hash}});
+  std::filesystem::resize_file(job / "artefacts/huge", kBytes);
+  write(job / "artefacts/manifest.json",
+        "{\"artefacts\":[{\"path\":\"huge\",\"media_type\":\"text/plain\",\"bytes\":" +
+            std::to_string(kBytes) + ",\"sha256\":\"" + hash + "\"}]}");
+  return 0;
+}
+
+/// A million values in two megabytes: fifty when they are built.
+int publish_a_bloated_manifest(const path& job) {
+  publish(job, {});
+  std::string values;
+  for (int i = 0; i < 1'000'000; ++i) values += i == 0 ? "1" : ",1";
+  write(job / "artefacts/manifest.json", "{\"artefacts\":[" + values + "]}");
+  return 0;
+}
+
+int plant_a_video(const path& job) {
+  write(job / "videos/front.mp4", "no film");
+  write(job / "videos/front.mp4.sha256", server::sha256_of("no film"));
+  write(job / ("views/" + std::string(32, 'a') + ".json"), "{}");
+  return succeed(job);
+}
+
+int write_without_end(const path& job) {
+  write(job / "artefacts/endless", "");
+  for (;;) {
+    append(job / "artefacts/endless", std::string(1 << 20, 'x'));
+    progress(job, 0.3);
+    std::this_thread::sleep_for(1ms);
+  }
+}
+
+int nest_folders(const path& job) {
+  std::filesystem::current_path(job);
+  for (int i = 0; i < 1200; ++i)
+    if (::mkdir("deeper", 0700) != 0 || ::chdir("deeper") != 0) return code(api::ExitCode::internal);
+  (void)::chmod(".", 0);
+  return succeed(job);
+}
+
 int refuse(const path& job) {
   const api::Violation violation{"scene.obj", "", 12, 4, "index_out_of_range", "vertex 9 does not exist"};
   for (const char* file : {"report.json", "check.json"})  // of a run, of a check
@@ -195,6 +247,12 @@ const std::vector<std::pair<std::string, std::function<int(const path&)>>> kBeha
     {"garble_progress_then_succeed", garble_progress_then_succeed},
     {"leave_a_grandchild", leave_a_grandchild},
     {"leave_a_hidden_process", leave_a_hidden_process},
+    {"publish_hard_links", publish_hard_links},
+    {"publish_holes", publish_holes},
+    {"publish_a_bloated_manifest", publish_a_bloated_manifest},
+    {"plant_a_video", plant_a_video},
+    {"write_without_end", write_without_end},
+    {"nest_folders", nest_folders},
     {"refuse", refuse},
     {"limit", [](const path&) { return code(api::ExitCode::limit_exceeded); }},
     {"disk_full", [](const path&) { return code(api::ExitCode::disk_full); }},

@@ -1,6 +1,9 @@
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include <atomic>
 
 #include "server/artefacts/npy_slice.h"
 #include "server/artefacts/verify.h"
@@ -138,6 +141,56 @@ TEST(DataFolder, RemovesUploadsAndFoldersThatNoJobOwns) {
   EXPECT_FALSE(std::filesystem::exists(data->upload("job_1")));
   EXPECT_FALSE(std::filesystem::exists(data->job("job_2")));
   EXPECT_TRUE(std::filesystem::exists(data->job("job_3") / "input/scene.obj"));
+}
+
+TEST(RemoveTree, NeedsNoMoreDescriptorsForDeeperFolders) {
+  const TemporaryFolder folder;
+  const std::filesystem::path top = folder.path() / "top", before = std::filesystem::current_path();
+  std::filesystem::create_directory(top);
+  std::filesystem::current_path(top);
+  for (int i = 0; i < 1500; ++i) {
+    ASSERT_EQ(::mkdir("in", 0700), 0);
+    std::ofstream("beside") << "x";
+    ASSERT_EQ(::chdir("in"), 0);
+  }
+  std::filesystem::current_path(before);
+  rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &limit), 0);
+  rlimit few = limit;
+  few.rlim_cur = 64;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+  const api::Status removed = remove_tree(top);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &limit), 0);
+  EXPECT_TRUE(removed) << removed.error().message;
+  EXPECT_FALSE(std::filesystem::exists(top));
+}
+
+TEST(RemoveTree, OpensWhatIsClosedAndFollowsNoLink) {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "kept/file", "x");
+  const std::filesystem::path top = folder.path() / "top";
+  write_text(top / "a/b/c/file", "x");
+  write_text(top / ".gone.0", "in the way");
+  std::filesystem::create_directory_symlink(folder.path() / "kept", top / "a/link");
+  for (const char* closed : {"a/b/c", "a/b", "a"})
+    std::filesystem::permissions(top / closed, std::filesystem::perms::none);
+  const api::Status removed = remove_tree(top);
+  EXPECT_TRUE(removed) << removed.error().message;
+  EXPECT_FALSE(std::filesystem::exists(top));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "kept/file"));
+  EXPECT_TRUE(remove_tree(top)) << "nothing to do";
+  write_text(top, "a file");
+  EXPECT_TRUE(remove_tree(top));
+  EXPECT_FALSE(std::filesystem::exists(top));
+}
+
+TEST(Verify, StopsReadingWhenToldTo) {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "file", "x");
+  const std::atomic<bool> stopping = true;
+  const api::Status read = verify_files(folder.path(), {{"file", 1, sha256_of("x")}}, stopping);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().fault, api::Fault::stopped);
 }
 
 }  // namespace

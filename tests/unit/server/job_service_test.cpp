@@ -203,6 +203,44 @@ TEST_F(JobServiceTest, AJobThatFillsTheDiskEveryTimeLeavesNothingHalfAndIsGivenU
   EXPECT_EQ(job(submitted.id).reason, "disk_full");
 }
 
+TEST_F(JobServiceTest, ARetryForgetsWhatBefellEarlierAttempts) {
+  const std::string id = submit().id;
+  const auto fill_the_disk = [&] {
+    ASSERT_TRUE(
+        jobs_->end_attempt(claim().lease, {OutcomeKind::disk_full, "disk_full", "full", {6, {}}, ""}));
+    now_ms_ += rules_.disk_full_wait_ms_max;
+  };
+  for (std::uint32_t round = 1; round <= rules_.disk_full_attempts_max; ++round) fill_the_disk();
+  ASSERT_EQ(job(id).state, JobState::failed);
+  for (std::uint32_t round = 1; round < rules_.disk_full_attempts_max; ++round) {
+    if (round == 1) {
+      ASSERT_TRUE(jobs_->retry(id));
+    }
+    fill_the_disk();
+    ASSERT_EQ(job(id).state, JobState::queued) << round;
+  }
+  fill_the_disk();
+  EXPECT_EQ(job(id).state, JobState::failed);
+}
+
+TEST_F(JobServiceTest, SoDoesProgress) {
+  const std::string id = submit().id;
+  for (std::uint32_t round = 1; round <= 2 * rules_.disk_full_attempts_max; ++round) {
+    const Claim claimed = claim();
+    if (round == rules_.disk_full_attempts_max) {
+      ASSERT_TRUE(jobs_->record_progress(claimed.lease, {api::Stage::solve, 0.5, 0.5, ""}));
+    }
+    ASSERT_TRUE(
+        jobs_->end_attempt(claimed.lease, {OutcomeKind::disk_full, "disk_full", "full", {6, {}}, ""}));
+    now_ms_ += rules_.disk_full_wait_ms_max;
+    if (round < 2 * rules_.disk_full_attempts_max - 1) {
+      ASSERT_EQ(job(id).state, JobState::queued) << round;
+    }
+    if (job(id).state == JobState::failed) break;
+  }
+  EXPECT_EQ(job(id).state, JobState::failed);
+}
+
 TEST_F(JobServiceTest, ARefusalByTheWorkerFailsAtOnceWithItsViolations) {
   const Job submitted = submit();
   const Claim claimed = claim();

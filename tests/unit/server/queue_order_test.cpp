@@ -180,6 +180,18 @@ TEST_F(QueueOrder, AClockSetBackByAYearStarvesNobody) {
   EXPECT_EQ(claim().job.id, ahead);
 }
 
+TEST_F(QueueOrder, AClockSetBackByAYearKeepsNobodyWaitingForAYear) {
+  constexpr std::int64_t kYearMs = 365LL * 24 * 60 * kMinuteMs;
+  const std::string id = submit_as("a").id;
+  now_ms_ += kYearMs;
+  ASSERT_TRUE(jobs_->end_attempt(claim().lease, {OutcomeKind::disk_full, "disk_full", "full", {6, {}}, ""}));
+  now_ms_ -= kYearMs;
+  ASSERT_TRUE(jobs_->collect_garbage());
+  now_ms_ += rules_.disk_full_wait_ms_max;
+  const auto claimed = jobs_->claim();
+  EXPECT_TRUE(claimed && *claimed);
+}
+
 std::string plan_of(Database& database, const std::string& sql) {
   Statement plan = database.prepare("EXPLAIN QUERY PLAN " + sql);
   std::string text;

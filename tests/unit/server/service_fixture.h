@@ -45,7 +45,9 @@ class ServiceTest : public testing::Test {
     ASSERT_TRUE(store) << store.error().message;
     store_ = std::move(*store);
     rules_.check = [this](const std::filesystem::path&) { return check_result_; };
-    jobs_ = std::make_unique<JobService>(*store_, *folder_, rules_, [this] { return now_ms_.load(); });
+    jobs_ = std::make_unique<JobService>(
+        *store_, *folder_, rules_, [this] { return now_ms_.load(); },
+        [this] { return now_ms_.load() - jumped_ms_.load(); });
   }
 
   /// As after kill -9: nothing is told, everything is opened anew.
@@ -87,6 +89,7 @@ class ServiceTest : public testing::Test {
 
   TemporaryFolder temporary_;
   std::atomic<std::int64_t> now_ms_ = 1'700'000'000'000;  ///< also read by the supervisor's threads
+  std::atomic<std::int64_t> jumped_ms_ = 0;               ///< how far somebody has set the clock forward
   api::Status check_result_ = api::Done{};
   JobRules rules_;
   std::unique_ptr<DataFolder> folder_;

@@ -179,12 +179,72 @@ TEST_F(WorkersTest, AFullDiskLetsTheJobWait) {
   EXPECT_EQ(job(submitted.id).state, JobState::queued);
 }
 
-TEST_F(WorkersTest, AMissingWorkerProgramFailsTheJobAndSaysWhy) {
+TEST_F(WorkersTest, WhileTheWorkerProgramIsMissingJobsWaitAndTheQueueSaysWhy) {
+  const std::filesystem::path program = temporary_.path() / "keylume";
+  worker_rules_.program = program;
+  worker_rules_.start_again_after = 20ms;
+  worker_rules_.start_again_after_max = 40ms;
+  const Job first = submit_that_will("succeed");
+  const Job second = submit_that_will("succeed");
+  start();
+  ASSERT_TRUE(becomes_true([&] { return job(first.id).attempt > rules_.attempts_without_progress_max + 1; }));
+  EXPECT_NE(jobs_->queue()->held.find(program), std::string::npos) << jobs_->queue()->held;
+  ASSERT_TRUE(becomes_true([&] { return job(first.id).reason == "worker_not_started"; }));
+  EXPECT_EQ(job(second.id).attempt, 0u) << "for the next one it would be the same";
+  std::filesystem::create_symlink(KEYLUME_FAKE_WORKER, program);
+  wait_for(first, JobState::succeeded);
+  wait_for(second, JobState::succeeded);
+  EXPECT_EQ(jobs_->queue()->held, "");
+}
+
+TEST_F(WorkersTest, AfterAFailedStartTheNextTryTakesItsTime) {
   worker_rules_.program = "/nonexistent/keylume";
-  const Job done = run_to_end("succeed");
+  worker_rules_.start_again_after = 1h;
+  const Job waits = submit_that_will("succeed");
+  start();
+  ASSERT_TRUE(becomes_true([&] { return job(waits.id).reason == "worker_not_started"; }));
+  ASSERT_TRUE(jobs_->resume_queue());  // rings the bell
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(job(waits.id).attempt, 1u);
+}
+
+TEST_F(WorkersTest, WhatIsQuickToMakeAndSlowToReadIsNotRead) {
+  for (const char* lie : {"publish_hard_links", "publish_holes", "publish_a_bloated_manifest"}) {
+    const Job done = run_to_end(lie);
+    EXPECT_EQ(done.state, JobState::failed) << lie;
+    EXPECT_EQ(done.reason, "bad_artefacts") << lie;
+    if (std::string_view(lie) == "publish_a_bloated_manifest") {
+      EXPECT_NE(done.message.find("values"), std::string::npos) << done.message;
+    }
+  }
+}
+
+TEST_F(WorkersTest, WhatAWorkerPlantsAmongViewsAndVideosIsGoneBeforeAnybodySeesIt) {
+  const Job done = run_to_end("plant_a_video");
+  EXPECT_EQ(done.state, JobState::succeeded) << done.message;
+  EXPECT_FALSE(std::filesystem::exists(jobs_->folder_of(done) / "videos"));
+  EXPECT_FALSE(std::filesystem::exists(jobs_->folder_of(done) / "views"));
+}
+
+TEST_F(WorkersTest, AWorkerThatWritesFarMoreThanItMayIsStopped) {
+  rules_.written.bytes = 3 << 20;
+  rules_.written.bytes_per_frame = 0;
+  restart();
+  worker_rules_.measure_every = 10ms;
+  const Job done = run_to_end("write_without_end");
   EXPECT_EQ(done.state, JobState::failed);
-  EXPECT_EQ(done.reason, "worker_not_started");
-  EXPECT_NE(done.message.find("/nonexistent/keylume"), std::string::npos) << done.message;
+  EXPECT_EQ(done.reason, "limit_exceeded");
+  EXPECT_NE(done.message.find("3145728 are allowed"), std::string::npos) << done.message;
+}
+
+TEST_F(WorkersTest, FoldersWithoutEndAreRefusedAndTheirJobCanBeDeleted) {
+  worker_rules_.measure_every = 1h;
+  const Job done = run_to_end("nest_folders");
+  EXPECT_EQ(done.state, JobState::failed);
+  EXPECT_EQ(done.reason, "limit_exceeded") << done.message;
+  const api::Status removed = jobs_->remove(done.id);
+  EXPECT_TRUE(removed) << removed.error().message;
+  EXPECT_FALSE(std::filesystem::exists(folder_->job(done.id)));
 }
 
 TEST_F(WorkersTest, TheWorkerOfALostServerIsDeadBeforeItsJobRunsAgain) {
