@@ -67,8 +67,8 @@ class Requests:
         self.contract, self.world = contract, world
         self.values = Values(contract.resolved)
 
-    def make(self, rng, operation):
-        request = Request(operation, operation.method, "", is_mutated=rng.random() < 0.5)
+    def make(self, rng, operation, mutated_share=0.5):
+        request = Request(operation, operation.method, "", is_mutated=rng.random() < mutated_share)
         request.path = self.path(rng, operation, request) + self.query(rng, operation, request)
         for parameter in operation.parameters:
             if parameter["in"] == "header" and rng.random() < 0.5:

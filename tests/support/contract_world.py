@@ -21,6 +21,7 @@ class World:
         self.asset, self.example = self.dashboard_files()
         self.job = write_job(folder, example="cornell_box", frames=FRAMES, width=32, height=18)
         changed(self.job, lambda document: document["lighting"].update(preset="draft", samples_per_light=4))
+        changed(self.job, lambda document: document["images"][0].update(formats=["png", "jpg", "exr"]))
         self.files = {"scene": (self.job / "scene.obj").read_bytes(), "animation": (self.job / "animation.json").read_bytes()}
         self.material = next(self.job.glob("*.mtl"))
         self.hashes = {name: self.put(data) for name, data in [*self.files.items(), ("materials", self.material.read_bytes())]}
@@ -56,6 +57,9 @@ class World:
         done = self.submit(name="done")
         self.service.wait_for(done, ["succeeded"], 120)
         self.succeeded = done
+        view = self.ask("POST", f"/v1/jobs/{done}/views", {"camera": self.camera, "frames": [0], "width": 8, "height": 8})
+        self.kept_view = view.headers["location"].rpartition("/")[2]
+        wait_until(lambda: json.loads(self.ask("GET", view.headers["location"]).body)["state"] == "ready", 60, "a view")
 
     def prepare_states(self):
         self.wanted = {self.submit(name=state, labels={"project": "garage"}): state
@@ -111,6 +115,8 @@ class World:
             return str(rng.choice([0, 1, 17, 99999, 19999999]))
         if name == "hex":
             return rng.choice([*self.hashes.values(), "0" * 64, rng.randbytes(32).hex()])
+        if name == "view" and operation.method == "GET" and rng.random() < 0.5:
+            return self.kept_view
         if name == "view":
             return rng.choice(self.views[-8:] + ["0" * 32])
         if name == "series":
@@ -122,7 +128,7 @@ class World:
         if name == "job":
             return self.succeeded
         if operation.name == "getViewFrame":
-            return rng.choice(["0.png", "1.png", "2.jpg", "0.exr", "9.png"])
+            return rng.choice(["0.png", "0.png", "1.png", "2.jpg", "0.exr", "9.png"])
         return rng.choice(["radiosity.npy", "radiosity_se.npy", "key_frames.json", "manifest.json", "worker.log", "x"])
 
     def body(self, rng, operation):
@@ -160,6 +166,8 @@ class World:
     def spare(self, request):
         """Takes out of a request what would end a job that is to stay."""
         keeps = [self.succeeded, *self.wanted]
+        if request.operation.name == "deleteView":
+            request.path = request.path.replace(self.kept_view, "0" * 32)
         name = request.operation.name
         if name == "changeJob" and any(job_id in request.path for job_id in keeps) and b"ttl" in (request.body or b""):
             request.body = request.body.replace(b"ttl_seconds", b"ttl_second")
