@@ -1,6 +1,7 @@
 // How the lighting of a job is solved. JSON: api/schemas/job.schema.json#/$defs/lighting.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -50,6 +51,8 @@ enum class DirectLight {
   apart,  ///< sampled per patch and light with shadow rays; global lines carry the reflected light only
   pure,   ///< JSON "lines": all light, emission too, travels by global lines
 };
+
+inline constexpr std::size_t kLightGroupsMax = 8;
 
 struct LightingOptions {
   Preset preset = Preset::standard;
@@ -106,7 +109,7 @@ struct LightingOptions {
 
   /// Names of emitting materials and of lights, by name of group: 1 to 64 of A-Z a-z 0-9 _ -, not "se"
   /// or "other". Each group's radiosity is an artefact, radiosity_<name>.npy; radiosity_other.npy has the
-  /// rest. At most 8; no light is in two.
+  /// rest. At most kLightGroupsMax; no light is in two.
   std::map<std::string, std::vector<std::string>> light_groups;
 
   /// The same job and seed give the same bytes, whatever the thread count.  0 .. 2^53 - 1

@@ -33,7 +33,6 @@ constexpr Range kEstimatePatchEdge{1e-3, 1e4};
 constexpr Range kTargetError{1e-4, 1};
 constexpr Range kTolerance{.lowest = 0, .highest = 1, .lowest_excluded = true};
 constexpr Range kEpsilon{.lowest = 0, .highest = 1e9, .lowest_excluded = true};
-constexpr std::size_t kGroupsMax = 8;
 
 void read_line_counts(const Node& node, LightingOptions& options) {
   const auto given = member(node, "line_count");
@@ -75,7 +74,7 @@ std::vector<std::string> read_group(const Node& node, std::set<std::string>& els
 }
 
 void read_light_groups(const Node& node, LightingOptions& options) {
-  if (!is_object_of_at_most(node, kGroupsMax)) return;
+  if (!is_object_of_at_most(node, kLightGroupsMax)) return;
   if (node.json->empty()) add_violation(node, "missing", "must have a group at least");
   std::set<std::string> named;
   for (const auto& [name, value] : members(node)) {

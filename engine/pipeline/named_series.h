@@ -13,4 +13,9 @@ struct NamedSeries {
   PatchSeries values_w_m2;
 };
 
+/// The file of what the lights of a group give; "": those of no group.
+inline std::string file_of_group(const std::string& name) {
+  return "radiosity_" + (name.empty() ? "other" : name) + ".npy";
+}
+
 }  // namespace engine

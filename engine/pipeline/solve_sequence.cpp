@@ -141,10 +141,6 @@ PatchSeries sum_of(std::span<const NamedSeries> groups) {
   return sum;
 }
 
-std::string file_of_group(const std::string& name) {
-  return "radiosity_" + (name.empty() ? "other" : name) + ".npy";
-}
-
 void report_noise(const LitScene& lit, const SolvedSequence& solved, const PatchSeries& error,
                   const api::LightingOptions& options, api::JobReport& report) {
   const double mean = mean_radiosity(lit, solved.radiosity_w_m2);

@@ -78,8 +78,7 @@ api::Status run_view(const JobFolder& folder, const ViewPaths& paths, const View
   const auto bytes = read_file(paths.request);
   if (!bytes) return bytes.error();
   const api::JobRequest& job = read->request;
-  const auto view = api::parse_view_request(*bytes, {job.frame_count, job.scene.cameras},
-                                            paths.request.filename().string());
+  const auto view = api::parse_view_request(*bytes, api::viewed_job(job), paths.request.filename().string());
   if (!view) return view.error();
   if (auto made = make_empty(paths.temporary); !made) return made;
   Progress progress;

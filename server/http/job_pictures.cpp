@@ -20,7 +20,7 @@ api::Result<std::shared_ptr<const JobPictures>> read_pictures(const std::filesys
   auto request = api::parse_job_request(*bytes);
   if (!request) return api::Error{api::Fault::internal, request.error().message};
   auto pictures = std::make_shared<JobPictures>();
-  pictures->viewed = {request->frame_count, std::move(request->scene.cameras)};
+  pictures->viewed = api::viewed_job(*request);
   pictures->images = std::move(request->images);
   return std::shared_ptr<const JobPictures>(std::move(pictures));
 }

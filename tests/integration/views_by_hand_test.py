@@ -10,6 +10,7 @@ import time
 import unittest
 from pathlib import Path
 
+from png_pixels import light_of, png_pixels, shown
 from small_jobs import changed, write_job
 
 WORKER = os.environ["KEYLUME_WORKER"]
@@ -82,6 +83,36 @@ class Views(unittest.TestCase):
                                              "tone_map": "clip"}, "--seconds", "1")
         self.assertEqual(run.returncode, 3, run.stderr)
         self.assertFalse((self.job / "views/large").exists())
+
+    def test_lights_as_bright_as_asked_add_up(self):
+        """One lamp of the garage is a group: a picture of it alone, of the others alone, and of both, by linearity."""
+        job = self.folder / "groups"
+        write_job(job / "input", frames=2, standard_errors=False, light_groups={"first": ["lamp_0_0"]})
+        subprocess.run([WORKER, "render", str(job)], check=True, capture_output=True, timeout=200)
+
+        def picture(name, **gains):
+            request = {"camera": self.camera, "frames": [1], "width": 64, "height": 36, "tone_map": "clip",
+                       "exposure_stops": -1, "light_gains": gains}
+            run, folder, _ = self.view(name, request, job=job)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            return png_pixels(folder / "0001.png")
+
+        first, other = picture("first", other=0), picture("other", first=0)
+        self.assertGreater(first.mean(), 5)
+        self.assertGreater(other.mean(), 5)
+        # Lamps are cut off at white before their edges are filtered, which does not add up: a sample of the four on one
+        # makes a pixel 137 at least.
+        seen = (first > 0) & (other > 0) & (first < 130) & (other < 130)
+        self.assertGreater(seen.mean(), 0.5)
+        for name, gains in (("as_it_is", {}), ("mixed", {"first": [3, 2, 1], "other": 0.5})):
+            expected = shown(light_of(first) * gains.get("first", 1) + light_of(other) * gains.get("other", 1))
+            # Each of the two was rounded to a 255th before.
+            self.assertLessEqual(abs(picture(name, **gains) - expected)[seen].max(), 3, name)
+
+    def test_groups_that_are_not_there_are_named(self):
+        run, _, report = self.view("unknown", {"camera": self.camera, "light_gains": {"frist": 2}})
+        self.assertEqual(run.returncode, 2)
+        self.assertEqual(report["violations"][0]["pointer"], "/light_gains/frist")
 
     def test_results_of_another_job_are_refused(self):
         other = self.folder / "other"
