@@ -91,12 +91,12 @@ class OpsTest : public ServiceTest {
     ServiceTest::SetUp();
     reader_ = std::move(*EventReader::open(folder_->database()));
     hub_ = std::make_unique<EventHub>(*reader_);
-    add_ops_routes(router_,
-                   {*jobs_, *store_, *folder_, *hub_, http_, job_times_, [] { return std::size_t{5}; },
-                    [this] {
-                      ++asked_;
-                      return worker_;
-                    }});
+    add_ops_routes(router_, {*jobs_, *store_, *folder_, *hub_, http_, job_times_,
+                             [] { return IntegrityReport{}; }, [] { return std::size_t{5}; },
+                             [this] {
+                               ++asked_;
+                               return worker_;
+                             }});
   }
   HttpAnswer ask(const std::string& path) {
     HttpRequest request{"GET", path, {}, {}};
