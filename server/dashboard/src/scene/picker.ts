@@ -19,7 +19,7 @@ export class Picker {
     private readonly surfaces: readonly Surface[],
     uniforms: Record<string, { value: unknown }>,
   ) {
-    this.materials = [false, true].map((blackBack) => surfaceMaterial(kPickFragment, uniforms, blackBack));
+    this.materials = [false, true].map((isBack) => surfaceMaterial(kPickFragment, uniforms, isBack));
   }
 
   /** `x`, `y`: of a canvas of `size`, in CSS pixels. */
@@ -27,7 +27,7 @@ export class Picker {
     const bytes = new Uint8Array(4);
     const usual = this.surfaces.map(({ mesh }) => mesh.material);
     const background = scene.background;
-    for (const { mesh, blackBack } of this.surfaces) mesh.material = this.materials[blackBack ? 1 : 0]!;
+    for (const { mesh, isBack } of this.surfaces) mesh.material = this.materials[isBack ? 1 : 0]!;
     scene.background = null;
     camera.setViewOffset(size.x, size.y, x, y, 1, 1);
     this.renderer.setRenderTarget(this.target);

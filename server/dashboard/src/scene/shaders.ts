@@ -94,7 +94,7 @@ precision highp sampler2D;
 precision highp usampler2D;
 uniform sampler2D patches, nodeValues, palette, reflectance, marked;
 uniform int patchWidth, nodeWidth, what, toneMap;
-uniform bool smoothShaded, borders, blackBack, hasLight;
+uniform bool smoothShaded, borders, isBack, hasLight;
 uniform vec4 scale;   // from, to, log, signed
 uniform float exposure, filmicScale;
 uniform vec3 tint;
@@ -140,18 +140,19 @@ float edge() {
   vec2 wide = fwidth(cell);
   vec2 from = min(cell, 1.0 - cell) / wide;
   if (nodes.w == 0xffffffffu) from = vec2(min(cell.x / wide.x, cell.y / wide.y), (1.0 - cell.x - cell.y) / fwidth(cell.x + cell.y));
-  return 1.0 - smoothstep(0.5, 1.5, min(from.x, from.y));
+  // Cells of a few pixels would be nothing but borders.
+  float room = 1.0 / max(max(wide.x, wide.y), 1e-6);
+  return (1.0 - smoothstep(0.5, 1.5, min(from.x, from.y))) * smoothstep(3.0, 9.0, room);
 }
 void main() {
-  bool back = !gl_FrontFacing;
-  if (back && blackBack) {
+  if (isBack) {
     if (what == 2) discard;  // one looks into a room from outside
     colour = vec4(0.0, 0.0, 0.0, 1.0);
     return;
   }
   vec3 shown = what == 0 ? srgb(toneCurve(max(radiosity(), 0.0) * exposure)) : what == 1 ? falseColour(radiosity()) : clay();
   shown = mix(shown, tint, what == 2 ? 0.45 * step(0.001, dot(tint, tint)) : 0.0);
-  if (borders) shown = mix(shown, vec3(dot(shown, vec3(0.333)) > 0.45 ? 0.0 : 1.0), 0.35 * edge());
+  if (borders) shown *= 1.0 - 0.45 * edge();
   float mark = texelFetch(marked, texelOf(id, patchWidth), 0).r;
   if (mark > 0.0) shown = mix(shown, vec3(1.0, 0.45, 0.0), max(0.35, edge()));
   colour = vec4(shown, 1.0);
@@ -162,14 +163,14 @@ void main() {
 export const kPickFragment = `
 precision highp float;
 precision highp int;
-uniform bool blackBack;
+uniform bool isBack;
 flat in uvec4 nodes;
 flat in uint id;
 in vec2 cell;
 in vec3 seenAt;
 out vec4 colour;
 void main() {
-  uint n = !gl_FrontFacing && blackBack ? 0u : id + 1u;
+  uint n = isBack ? 0u : id + 1u;
   colour = vec4(float(n & 255u), float((n >> 8) & 255u), float((n >> 16) & 255u), 255.0) / 255.0;
 }
 `;

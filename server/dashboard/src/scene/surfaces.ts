@@ -1,6 +1,6 @@
-// The patches as three.js meshes: four corners for each, one mesh per object and way of being seen from behind.
+// The patches as three.js meshes: four corners for each, one mesh per object, and one for black backs.
 import {
-  BufferAttribute, BufferGeometry, DoubleSide, FrontSide, GLSL3, Matrix4, Mesh, RawShaderMaterial, Sphere, Vector3,
+  BackSide, BufferAttribute, BufferGeometry, FrontSide, GLSL3, Matrix4, Mesh, RawShaderMaterial, Sphere, Vector3,
 } from "three";
 import type { Material } from "three";
 import type { ShadingMesh } from "./shading_mesh";
@@ -10,16 +10,18 @@ import { kSurfaceVertex } from "./shaders";
 export interface Surface {
   readonly mesh: Mesh<BufferGeometry, Material>;
   readonly object: number;
-  /** Its back is there and black; else another patch is, or nothing to see. */
-  readonly blackBack: boolean;
+  /** The black backs of patches that have nothing on their other side. */
+  readonly isBack: boolean;
 }
 
 /** Uniforms that all surfaces share are the same objects. */
-export function surfaceMaterial(fragmentShader: string, uniforms: Record<string, { value: unknown }>, blackBack: boolean): RawShaderMaterial {
+export function surfaceMaterial(fragmentShader: string, uniforms: Record<string, { value: unknown }>, isBack: boolean): RawShaderMaterial {
   return new RawShaderMaterial({
     glslVersion: GLSL3, vertexShader: kSurfaceVertex, fragmentShader,
-    uniforms: { ...uniforms, blackBack: { value: blackBack }, tint: { value: new Vector3() } },
-    side: blackBack ? DoubleSide : FrontSide,
+    uniforms: { ...uniforms, isBack: { value: isBack }, tint: { value: new Vector3() } },
+    side: isBack ? BackSide : FrontSide,
+    // At the edges of closed things backs would shine through between the faces: they stand back a little.
+    polygonOffset: isBack, polygonOffsetFactor: 1, polygonOffsetUnits: 4,
   });
 }
 
@@ -50,7 +52,7 @@ function haveBothSides(mesh: ShadingMesh): Uint8Array {
   return Uint8Array.from({ length: mesh.patchCount }, (_, patch) => (both.has(mesh.patchFacet[patch]!) ? 1 : 0));
 }
 
-export function buildSurfaces(mesh: ShadingMesh, materialOf: (blackBack: boolean) => Material): Surface[] {
+export function buildSurfaces(mesh: ShadingMesh, materialOf: (isBack: boolean) => Material): Surface[] {
   const both = haveBothSides(mesh);
   const groups = new Map<string, number[]>();
   for (let patch = 0; patch < mesh.patchCount; ++patch) {
@@ -60,12 +62,14 @@ export function buildSurfaces(mesh: ShadingMesh, materialOf: (blackBack: boolean
     else groups.set(key, [patch]);
   }
   return Array.from(groups, ([key, patches]) => {
-    const [object, isBoth] = key.split(" ").map(Number);
-    const blackBack = isBoth === 0;
-    const surface = new Mesh(geometryOf(mesh, patches), materialOf(blackBack));
-    surface.matrixAutoUpdate = false;
-    return { mesh: surface, object: object!, blackBack };
-  });
+    const [object, isBoth] = key.split(" ").map(Number) as [number, number];
+    const geometry = geometryOf(mesh, patches);
+    return (isBoth === 1 ? [false] : [false, true]).map((isBack) => {
+      const surface = new Mesh(geometry, materialOf(isBack));
+      surface.matrixAutoUpdate = false;
+      return { mesh: surface, object, isBack };
+    });
+  }).flat();
 }
 
 function geometryOf(mesh: ShadingMesh, patches: readonly number[]): BufferGeometry {

@@ -83,8 +83,8 @@ class WebGlView implements LightingView {
     this.passes = new LightPasses(this.renderer, mesh);
     this.marked = byteTexture(mesh.patchCount);
     this.uniforms = this.makeUniforms();
-    this.materials = [false, true].map((blackBack) => surfaceMaterial(kSurfaceFragment, this.uniforms, blackBack));
-    this.surfaces = buildSurfaces(mesh, (blackBack) => this.materials[blackBack ? 1 : 0]!);
+    this.materials = [false, true].map((isBack) => surfaceMaterial(kSurfaceFragment, this.uniforms, isBack));
+    this.surfaces = buildSurfaces(mesh, (isBack) => this.materials[isBack ? 1 : 0]!);
     place(mesh, this.surfaces, 0);
     this.bounds = boundsOf(this.surfaces);
     this.tintMovingSurfaces();

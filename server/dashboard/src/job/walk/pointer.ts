@@ -57,7 +57,7 @@ function textAt(context: JobContext, stage: LightStage, sight: Signal<Sight>, x:
   const rgb = stage.source(series).value(picked.patch, context.playhead.frame);
   const object = stage.mesh.objectNames[picked.object] ?? "";
   const value = rgb ? ` ${rgb.map(wattsPerSquareMetre).join("  ")} W/m²` : "";
-  return `${object} · patch ${picked.patch}${value}`;
+  return `${object ? `${object} · ` : ""}patch ${picked.patch}${value}`;
 }
 
 /** Another click on a chosen patch lets it go. */
