@@ -108,7 +108,7 @@ def sources_are_built(root, build):
             if path.resolve() not in compiled and not (path.parent == fuzz and f"add_fuzzer({path.stem}" in fuzzers)]
 
 
-LABELS = {"unit", "accuracy", "integration", "faults", "conventions", "bench", "fuzz", "peers"}
+LABELS = {"unit", "accuracy", "integration", "faults", "conventions", "bench", "browser", "fuzz", "peers"}
 
 
 def registered_tests(build):
@@ -117,7 +117,7 @@ def registered_tests(build):
 
 
 def tests_are_registered(root, tests):
-    """Every test has one label and a time limit, and every Python test file is run. `tests`: as ctest lists them."""
+    """Every test has one label and a time limit, and every test file is run that is no C++. `tests`: as ctest lists them."""
     problems, words = [], set()
     for test in tests:
         properties = {item["name"]: item["value"] for item in test.get("properties", [])}
@@ -126,8 +126,8 @@ def tests_are_registered(root, tests):
             problems.append(f"test {test['name']}: needs exactly one label of {', '.join(sorted(LABELS))}")
         if not properties.get("TIMEOUT"):
             problems.append(f"test {test['name']}: has no time limit")
-    for path in sources_of(root, ".py"):
-        if path.name.endswith("_test.py") and path.name not in words:
+    for path in sources_of(root, ".py", ".mjs"):
+        if path.name.endswith(("_test.py", "_test.mjs")) and path.name not in words:
             problems.append(f"{path.relative_to(root)}: ctest does not run it")
     return problems
 

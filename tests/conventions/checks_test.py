@@ -97,6 +97,8 @@ class OnATree(unittest.TestCase):
         self.expect_one(checks.tests_are_registered(self.root, [good, listed("c", ["unit", "accuracy"], 10)]), "test c")
         self.expect_one(checks.tests_are_registered(self.root, [good, listed("d", ["unit"], 0)]), "test d", "limit")
         self.expect_one(checks.tests_are_registered(self.root, []), "job_test.py")
+        self.write("tests/browser/page_test.mjs", "")
+        self.expect_one(checks.tests_are_registered(self.root, [good]), "page_test.mjs")
 
     def test_a_long_file(self):
         self.write("engine/base/long.cpp", "\n" * 401)
