@@ -126,20 +126,6 @@ api::Result<NewJob> JobService::read_request(const Upload& upload) const {
   return job;
 }
 
-api::Status JobService::admit(std::string_view owner, std::int64_t bytes) {
-  const auto waiting = store_.count(JobState::queued);
-  if (!waiting) return waiting.error();
-  if (*waiting >= rules_.queued_max)
-    return api::Error{Fault::out_of_resources,
-                      "the queue is full: " + std::to_string(*waiting) + " jobs are waiting"};
-  const auto of_owner = store_.count_queued_of(owner);
-  if (!of_owner) return of_owner.error();
-  if (*of_owner >= rules_.queued_of_one_owner_max)
-    return api::Error{Fault::too_many, "you have " + std::to_string(*of_owner) +
-                                           " jobs in the queue already, as many as one may have"};
-  return within_quota(owner, bytes);
-}
-
 api::Result<NewJob> JobService::check(const Upload& upload) {
   if (const api::Status admitted = admit(upload.owner, bytes_of(upload)); !admitted) return admitted.error();
   const auto options = read_options(upload, clock_());
@@ -168,7 +154,12 @@ api::Result<Job> JobService::keep(const Upload& upload, const NewJob& row) {
     return moved.error();
   }
   api::fault_point("folder_moved");
-  auto job = store_.insert(row);
+  auto job = store_.insert(row, ceilings());
+  // Others may have taken the room that was made.
+  for (int tries = 0; rules_.evict && !job && job.error().fault == Fault::over_quota && tries < 8; ++tries) {
+    if (!make_room(bytes_of(upload))) break;
+    job = store_.insert(row, ceilings());
+  }
   api::fault_point("job_committed");
   if (!job) (void)remove_tree(to);
   return job;

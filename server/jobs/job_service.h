@@ -139,7 +139,8 @@ class JobService {
   api::Status must_see(std::string_view id, const Viewer& viewer);
   api::Result<JobPage> list(const JobFilter& filter, std::int64_t limit);
   api::Result<Job> cancel(std::string_view id);
-  /// A running job stops once its worker has saved a checkpoint, from which it goes on later.
+  /// A running job stops once its worker has saved what is whole, from which it goes on later: the lines that
+  /// were being traced are lost, of an animation of more than 128 frames what came since the last checkpoint.
   api::Result<Job> pause(std::string_view id);
   api::Result<Job> resume(std::string_view id);
   /// A failed or canceled job is queued again; it goes on from its last checkpoint, unless `from_start`.
@@ -226,6 +227,7 @@ class JobService {
  private:
   api::Result<NewJob> read_request(const Upload& upload) const;
   api::Result<NewJob> check(const Upload& upload);
+  Ceilings ceilings() const;
   api::Status make_room(std::int64_t bytes);
   void measure_some();
   api::Status collect_blobs();

@@ -36,7 +36,11 @@ api::Status JobService::keep_blob(std::string_view owner, const std::filesystem:
   if (api::Status room = make_room(*bytes); !room) return room;
   // The row last: a crash in between leaves a file that the next start removes.
   if (api::Status moved = blobs_.keep(from, sha256); !moved) return moved;
-  return store_.keep_blob(owner, sha256, *bytes);
+  api::Status counted = store_.keep_blob(
+      owner, sha256, *bytes, {INT64_MAX, INT64_MAX, rules_.bytes_max, rules_.bytes_of_one_owner_max});
+  if (!counted)  // jobs may have taken the room meanwhile
+    if (const auto known = store_.blobs()) blobs_.keep_only(*known);
+  return counted;
 }
 
 // With keeping_ held.

@@ -11,29 +11,21 @@ constexpr std::int64_t kUsedEveryMs = 60'000;  // a job's last use is written no
 constexpr std::int64_t kEvictedAtOnce = 16;
 constexpr std::int64_t kMeasuredAtOnce = 20;
 
-api::Error over_quota(const std::string& what, std::int64_t kept, std::int64_t most) {
-  return {Fault::over_quota, what + " take " + std::to_string(kept) + " of " + std::to_string(most) +
-                                 " bytes; there is room again when some are removed"};
-}
-
-constexpr const char* kAll = "all jobs and blobs together";
-
 }  // namespace
 
+Ceilings JobService::ceilings() const {
+  return {rules_.queued_max, rules_.queued_of_one_owner_max, rules_.bytes_max, rules_.bytes_of_one_owner_max};
+}
+
+api::Status JobService::admit(std::string_view owner, std::int64_t bytes) {
+  Ceilings most = ceilings();
+  most.evict = rules_.evict;
+  return store_.admit(owner, bytes, most);
+}
+
 api::Status JobService::within_quota(std::string_view owner, std::int64_t bytes) {
-  if (rules_.bytes_max != INT64_MAX) {
-    const auto kept = store_.total_bytes();
-    if (!kept) return kept.error();
-    const bool over = *kept + bytes > rules_.bytes_max;
-    const auto spare = over && rules_.evict ? store_.unused_bytes() : api::Result<std::int64_t>(0);
-    if (!spare) return spare.error();
-    if (*kept - *spare + bytes > rules_.bytes_max) return over_quota(kAll, *kept, rules_.bytes_max);
-  }
-  if (rules_.bytes_of_one_owner_max == INT64_MAX) return api::Done{};
-  const auto kept = store_.total_bytes(owner);
-  if (!kept) return kept.error();
-  if (*kept + bytes <= rules_.bytes_of_one_owner_max) return api::Done{};
-  return over_quota("your jobs and blobs", *kept, rules_.bytes_of_one_owner_max);
+  return store_.admit(owner, bytes,
+                      {INT64_MAX, INT64_MAX, rules_.bytes_max, rules_.bytes_of_one_owner_max, rules_.evict});
 }
 
 api::Status JobService::make_room(std::int64_t bytes) {
@@ -61,7 +53,7 @@ api::Status JobService::make_room(std::int64_t bytes) {
       ++garbage_.evicted_jobs;
       garbage_.evicted_bytes += job.bytes;
     }
-    if (!any) return over_quota(kAll, *kept, rules_.bytes_max);
+    if (!any) return store_.admit("", bytes, {INT64_MAX, INT64_MAX, rules_.bytes_max});
   }
 }
 

@@ -9,12 +9,17 @@ constexpr std::int64_t kUsedEveryMs = 3'600'000;
 
 }  // namespace
 
-api::Status JobStore::keep_blob(std::string_view owner, std::string_view sha256, std::int64_t bytes) {
+api::Status JobStore::keep_blob(std::string_view owner, std::string_view sha256, std::int64_t bytes,
+                                const Ceilings& most) {
   const std::lock_guard lock(mutex_);
+  Transaction transaction(database_);
+  if (api::Status begun = transaction.begin(); !begun) return begun;
+  if (api::Status room = admit_locked(owner, bytes, most); !room) return room;
   Statement row = database_.prepare(
       "INSERT INTO blob(owner, sha256, bytes, used_ms) VALUES (?, ?, ?, ?) "
       "ON CONFLICT(owner, sha256) DO UPDATE SET used_ms = excluded.used_ms");
-  return row.bind(owner).bind(sha256).bind(bytes).bind(clock_()).run();
+  if (api::Status done = row.bind(owner).bind(sha256).bind(bytes).bind(clock_()).run(); !done) return done;
+  return transaction.commit();
 }
 
 api::Result<bool> JobStore::use_blob(std::string_view owner, std::string_view sha256) {
@@ -58,6 +63,10 @@ api::Result<std::set<std::string, std::less<>>> JobStore::blobs() {
 
 api::Result<std::int64_t> JobStore::blob_bytes(std::optional<std::string_view> owner) {
   const std::lock_guard lock(mutex_);
+  return blob_bytes_locked(owner);
+}
+
+api::Result<std::int64_t> JobStore::blob_bytes_locked(std::optional<std::string_view> owner) {
   Statement select = database_.prepare(std::string("SELECT coalesce(sum(bytes), 0) FROM blob") +
                                        (owner ? " WHERE owner = ?" : ""));
   if (owner) select.bind(*owner);

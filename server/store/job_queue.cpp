@@ -45,16 +45,6 @@ api::Result<std::map<JobState, std::int64_t>> JobStore::counts(std::optional<std
   return counts;
 }
 
-api::Result<std::int64_t> JobStore::count_queued_of(std::string_view owner) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
-      "SELECT count(*) FROM job INDEXED BY job_urgency WHERE state = 'queued' AND owner = ?");
-  select.bind(owner);
-  const std::int64_t count = select.next() ? select.integer(0) : 0;
-  if (const api::Status ok = select.status(); !ok) return ok.error();
-  return count;
-}
-
 api::Result<std::vector<Waiting>> JobStore::waiting() {
   const std::lock_guard lock(mutex_);
   Statement select = database_.prepare(

@@ -87,16 +87,6 @@ api::Result<std::vector<JobStore::Unused>> JobStore::least_used(std::int64_t lim
   return jobs;
 }
 
-api::Result<std::int64_t> JobStore::unused_bytes() {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
-      "SELECT coalesce(sum(bytes), 0) FROM job INDEXED BY job_unused WHERE finished_ms IS NOT NULL "
-      "AND pinned = 0 AND removing = 0");
-  const std::int64_t bytes = select.next() ? select.integer(0) : 0;
-  if (const api::Status ok = select.status(); !ok) return ok.error();
-  return bytes;
-}
-
 api::Result<std::vector<Job>> JobStore::finished_after(std::int64_t seq, std::int64_t limit) {
   const std::lock_guard lock(mutex_);
   Statement select =
@@ -107,18 +97,6 @@ api::Result<std::vector<Job>> JobStore::finished_after(std::int64_t seq, std::in
   while (select.next()) jobs.push_back(read_job(select));
   if (const api::Status ok = select.status(); !ok) return ok.error();
   return jobs;
-}
-
-api::Result<std::int64_t> JobStore::total_bytes(std::optional<std::string_view> owner) {
-  const auto blobs = blob_bytes(owner);
-  if (!blobs) return blobs.error();
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT coalesce(sum(bytes), 0) FROM job INDEXED BY job_bytes" +
-                                       std::string(owner ? " WHERE owner = ?" : ""));
-  if (owner) select.bind(*owner);
-  const std::int64_t bytes = select.next() ? select.integer(0) : 0;
-  if (const api::Status ok = select.status(); !ok) return ok.error();
-  return bytes + *blobs;
 }
 
 }  // namespace server

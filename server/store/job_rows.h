@@ -52,6 +52,15 @@ struct NewJob {
   std::optional<IdempotencyKey> key = std::nullopt;
 };
 
+/// What there may be at most; INT64_MAX: no end to it.
+struct Ceilings {
+  std::int64_t queued = INT64_MAX;               ///< jobs, of all owners
+  std::int64_t queued_of_one_owner = INT64_MAX;  ///< jobs
+  std::int64_t bytes = INT64_MAX;                ///< of all jobs and blobs together
+  std::int64_t bytes_of_one_owner = INT64_MAX;
+  bool evict = false;  ///< what could be removed to make room does not count in `bytes`
+};
+
 struct Job {
   std::int64_t seq = 0;  ///< order of submission, never used twice
   std::string id;

@@ -93,10 +93,13 @@ api::Status JobStore::read_labels(std::span<Job> jobs) {
   return api::Done{};
 }
 
-api::Result<Job> JobStore::insert(const NewJob& job) {
+api::Result<Job> JobStore::insert(const NewJob& job, const Ceilings& most) {
+  std::int64_t bytes = 0;
+  for (const InputFile& input : job.inputs) bytes += input.bytes;
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (const api::Status begun = transaction.begin(); !begun) return begun.error();
+  if (const api::Status room = admit_locked(job.owner, bytes, most); !room) return room.error();
   const std::int64_t now = clock_();
   if (const api::Status done = insert_row(job, now); !done) return done.error();
   const std::int64_t seq = database_.last_row();

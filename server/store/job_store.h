@@ -45,8 +45,13 @@ class JobStore {
                                                      Clock clock = system_clock_ms);
 
   // Clients: job_store.cpp.
-  /// With its key, if it has one; wrong_state where that key has a job already.
-  api::Result<Job> insert(const NewJob& job);
+  /// With its key, if it has one; wrong_state where that key has a job already. What `most` says is looked at
+  /// in the transaction that makes the job, so that many who come at once do not get past it together.
+  /// Errors: also those of admit.
+  api::Result<Job> insert(const NewJob& job, const Ceilings& most = {});
+  /// Would a job of so many bytes be taken now? Errors: out_of_resources (queue full), too_many, over_quota;
+  /// job_admission.cpp.
+  api::Status admit(std::string_view owner, std::int64_t bytes, const Ceilings& most);
   api::Result<Job> job(std::string_view id);
   api::Result<std::string> owner_of(std::string_view id);
   /// Newest first.
@@ -83,15 +88,15 @@ class JobStore {
   };
   /// Finished jobs that are not pinned, those first that have not been used for longest, at most `limit`.
   api::Result<std::vector<Unused>> least_used(std::int64_t limit);
-  /// What all of those take together.
-  api::Result<std::int64_t> unused_bytes();
   /// At most `limit` finished jobs of a higher seq, in its order.
   api::Result<std::vector<Job>> finished_after(std::int64_t seq, std::int64_t limit);
   /// Of all jobs and blobs together, or of those of `owner`.
   api::Result<std::int64_t> total_bytes(std::optional<std::string_view> owner = std::nullopt);
 
   // Blobs, each owner's: blob_rows.cpp.
-  api::Status keep_blob(std::string_view owner, std::string_view sha256, std::int64_t bytes);
+  /// Errors: also over_quota, where `most` does not leave it room.
+  api::Status keep_blob(std::string_view owner, std::string_view sha256, std::int64_t bytes,
+                        const Ceilings& most = {});
   /// Is it this owner's? Then it counts as used now.
   api::Result<bool> use_blob(std::string_view owner, std::string_view sha256);
   /// Those that have not been used since. -> how many
@@ -119,7 +124,6 @@ class JobStore {
   /// By state, of all jobs or of those of `owner`.
   api::Result<std::map<api::JobState, std::int64_t>> counts(
       std::optional<std::string_view> owner = std::nullopt);
-  api::Result<std::int64_t> count_queued_of(std::string_view owner);
   /// All queued jobs, for each owner in the order in which they are taken.
   api::Result<std::vector<Waiting>> waiting();
   api::Result<std::vector<OwnerTurn>> owner_turns();
@@ -185,6 +189,11 @@ class JobStore {
 
   api::Status step(const Step& step);
   api::Status enter_queue(std::int64_t seq);
+  api::Status admit_locked(std::string_view owner, std::int64_t bytes, const Ceilings& most);
+  api::Status admit_to_queue(std::string_view owner, const Ceilings& most);
+  api::Result<std::int64_t> total_bytes_locked(std::optional<std::string_view> owner);
+  api::Result<std::int64_t> unused_bytes_locked();
+  api::Result<std::int64_t> blob_bytes_locked(std::optional<std::string_view> owner);
   api::Status insert_row(const NewJob& job, std::int64_t now);
   api::Status insert_labels(std::int64_t seq, const api::Labels& labels);
   api::Status read_labels(std::span<Job> jobs);
