@@ -4,7 +4,7 @@ import signal
 import subprocess
 from pathlib import Path
 
-from service import ServiceTestCase, wait_until
+from service import Service, ServiceTestCase, wait_until
 
 
 def mounted(folder, *options):
@@ -49,6 +49,13 @@ class SmallDiskTestCase(ServiceTestCase):
         if not mounted(self.mount, f"size={self.SIZE}"):
             self.skipTest("no mounts here")
         self.addCleanup(subprocess.run, ["umount", "-l", str(self.mount)], check=False)
+
+    def service(self, name="data"):
+        """Its log has room: what it says is looked at."""
+        service = Service(self.folder / name)
+        service.log = self.folder / f"{name.replace('/', '_')}.log"
+        self.addCleanup(service.clean_up)
+        return service.start()
 
     def fill(self, but=0):
         """Takes all room that is left, but for so many bytes. -> the file to remove"""
