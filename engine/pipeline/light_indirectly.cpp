@@ -11,6 +11,7 @@
 #include "engine/pipeline/light_directly.h"
 #include "engine/pipeline/target_error.h"
 #include "engine/pipeline/window_solver.h"
+#include "engine/pipeline/windows.h"
 
 namespace engine {
 namespace {
@@ -19,20 +20,6 @@ using Frames = std::vector<FrameIndex>;
 
 bool splits(const api::LightingOptions& options) {
   return options.mode == api::LightingMode::standard;
-}
-
-Frames part_in(const Frames& frames, FrameIndex first, FrameIndex last) {
-  return {std::lower_bound(frames.begin(), frames.end(), first),
-          std::upper_bound(frames.begin(), frames.end(), last)};
-}
-
-/// The key-frames of one window; its ends are keys.
-KeyFrames part_in(const KeyFrames& chosen, const Frames& window) {
-  KeyFrames part;
-  part.keys = part_in(chosen.keys, window.front(), window.back());
-  part.checks = part_in(chosen.checks, window.front(), window.back());
-  merge_solved(part);
-  return part;
 }
 
 /// Takes `part`, columns from `skip` on, into the running mean of `count` replicates, at column `first`.
@@ -65,7 +52,11 @@ class IndirectSolver {
     if (load()) clock_.go_on_from(share_done(), "resumed");
     while (done_ < replicates_) {
       const Progress part = part_of(progress, share_done(), share_done(1));
-      if (const auto s = add_replicate(part); !s) return s.error();
+      if (const auto s = add_replicate(part); !s) {
+        // Whoever stops it lets it go on later, most often. What the last save has is not written again.
+        if (s.error().fault == api::Fault::stopped && whole_ && saved_ < done_) save();
+        return s.error();
+      }
       ++done_;
       const bool all_done = done_ == replicates_;
       const bool begins_again = (all_done || done_ == kEarlyCheck) && splits_bad_intervals();
@@ -105,20 +96,8 @@ class IndirectSolver {
     for (std::uint32_t k = 0; k < chosen_.solved.size(); ++k) position_[chosen_.solved[k]] = k;
   }
 
-  /// Windows of frames that are traced together. Where intervals may be split every frame is traced, and
-  /// neighbouring windows share a frame, which is a key.
   std::vector<Frames> windows() const {
-    const Frames traced = splits(options_) ? every_frame(lit_.animation) : chosen_.solved;
-    const std::size_t step = splits(options_) ? kIntervalMax : kWindowMax;
-    const std::size_t width = splits(options_) ? step + 1 : step;
-    std::vector<Frames> windows;
-    for (std::size_t first = 0; first < traced.size(); first += step) {
-      if (!windows.empty() && splits(options_) && first + 1 == traced.size()) break;  // shared already
-      const auto begin = traced.begin() + static_cast<std::ptrdiff_t>(first);
-      windows.emplace_back(begin,
-                           begin + static_cast<std::ptrdiff_t>(std::min(width, traced.size() - first)));
-    }
-    return windows;
+    return windows_of(splits(options_) ? every_frame(lit_.animation) : chosen_.solved, splits(options_));
   }
 
   std::uint64_t seed() const { return stream_seed(options_.seed, done_); }
@@ -165,22 +144,25 @@ class IndirectSolver {
       if (const auto s = window.solve(part.solved, carried, counts, solving); !s) return s.error();
       counts.empty_rows += window.empty_rows();
       const std::uint32_t skip = w > 0 && splits(options_) ? 1 : 0;  // what the window before had as well
-      if (fills_between(options_)) {
-        missed_->add(
-            left_out(lit_, groups_, window.carried(), part.keys, part.checks, options_.interpolation), 0,
-            first_check);
-        first_check += static_cast<std::uint32_t>(part.checks.size());
-      } else if (splits(options_)) {
+      std::optional<PatchSeries> missed;
+      if (fills_between(options_))
+        missed = left_out(lit_, groups_, window.carried(), part.keys, part.checks, options_.interpolation);
+      else if (splits(options_))
         take_radiosity(window, skip, first);
-      }
       auto light = light_of(window, part_of(progress, share(kSolvedShare), share(1)));
       if (!light) return light.error();
+      whole_ = false;
+      if (missed) {
+        missed_->add(std::move(*missed), 0, first_check);
+        first_check += static_cast<std::uint32_t>(part.checks.size());
+      }
       const std::uint32_t columns = (*light)[0].frame_count;
       accumulate(std::move(*light), skip, first);
       first += columns - skip;
     }
     if (!radiosity_.empty()) miss_in_all_windows();
     counts_ += counts;
+    whole_ = true;
     return api::Done{};
   }
 
@@ -246,7 +228,7 @@ class IndirectSolver {
     mean_.emplace(lit_.patches.count(), out);
     of_name_.assign(names_.size(), PatchSeries(lit_.patches.count(), out));
     missed_.emplace(lit_.patches.count(), static_cast<std::uint32_t>(chosen_.checks.size()));
-    done_ = 0;
+    done_ = saved_ = 0;
     counts_ = {};
     spent_before_ = {};
   }
@@ -291,6 +273,7 @@ class IndirectSolver {
   }
 
   void save() {
+    saved_ = done_;
     std::vector<CheckpointPart> parts{part_of_checkpoint(done_),
                                       part_of_checkpoint(replicates_),
                                       part_of_checkpoint(rounds_),
@@ -331,7 +314,7 @@ class IndirectSolver {
 
   /// Into what begin_replicates() has made room for.
   bool take_replicates(SavedCheckpoint& saved, std::uint32_t done) {
-    done_ = done;
+    done_ = saved_ = done;
     mean_->set_count(done);
     missed_->set_count(done);
     bool whole = saved.take(counts_) && saved.take(missed_->mean_values().values) &&
@@ -356,7 +339,9 @@ class IndirectSolver {
   StageClock& clock_;
 
   std::uint32_t done_ = 0, replicates_ = 0, block_ = 1;  ///< block_: replicates begun with
-  std::uint64_t static_lines_ = 0, moving_lines_ = 0;    ///< of one replicate
+  std::uint32_t saved_ = 0;                              ///< replicates in the checkpoint
+  bool whole_ = true;  ///< no part of the replicate at work is in the means yet
+  std::uint64_t static_lines_ = 0, moving_lines_ = 0;  ///< of one replicate
   std::vector<GroupSource> sources_;
   std::vector<std::vector<float>> noise_;  ///< [group], of sources_ in the replicate at work
   std::vector<std::uint32_t> position_;    ///< [frame], see GroupSource

@@ -23,7 +23,7 @@ struct WorkerRules {
   std::int64_t cores_per_job = 1;                  ///< that a worker takes of the budget
   std::chrono::milliseconds silence_max{120'000};  ///< no progress line, no processor time: stuck, killed
   std::chrono::milliseconds busy_silence_max{1'800'000};  ///< no progress line, however busy: stuck, killed
-  std::chrono::milliseconds stop_grace{5'000};            ///< from SIGTERM to SIGKILL, to save a checkpoint
+  std::chrono::milliseconds stop_grace{5'000};            ///< from SIGTERM to SIGKILL, to save what is whole
   std::chrono::milliseconds cancel_grace{400};            ///< the same where nobody wants it any more
   std::chrono::milliseconds look_every{100};              ///< at the progress file
   std::chrono::milliseconds record_every{500};            ///< at most two writes to the store per second

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Jobs are paused, resumed and tried again with the real worker, and come out bit for bit as if nothing had been."""
+import json
 import time
 import unittest
 
@@ -58,6 +59,23 @@ class PauseAndRetry(ServiceTestCase):
         done = self.wait_for_state(job_id, "succeeded")
         self.assertEqual(done["attempt"], 2)
         self.assertEqual(self.results(job_id), expected)
+
+    def test_a_paused_job_goes_on_from_where_it_was(self):
+        job_id = self.submitted(self.running, write_job(self.folder / "long", **JOB, standard_errors=True))
+        def is_on_its_way():
+            progress = self.running.job(job_id)["progress"]
+            return progress["stage"] == "solve" and progress["stage_fraction"] > 0.5 and progress["stage_fraction"]
+        reached = wait_until(is_on_its_way, 120, "half of the work is done")
+        self.wish(job_id, "pause")
+        self.wait_for_state(job_id, "paused", 20)
+        self.wish(job_id, "resume")
+        lines = self.running.job_folder(job_id) / "progress.ndjson"
+        def resumed():
+            found = [json.loads(line) for line in lines.read_text().splitlines() if '"resumed' in line]
+            return [line for line in found if line["stage"] == "solve"]
+        # What is lost is the part of the lines that was being traced.
+        self.assertGreater(wait_until(resumed, 60, "it goes on")[-1]["stage_fraction"], reached - 0.25)
+        self.wait_for_state(job_id, "succeeded")
 
     def test_a_job_that_was_to_pause_when_the_server_was_killed_is_paused_at_the_next_start(self):
         job_id = self.submitted(self.running, self.files)
