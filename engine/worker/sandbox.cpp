@@ -28,7 +28,7 @@ constexpr rlim_t kFileBytesMax = rlim_t{1} << 38;  // radiosity of ten thousand 
 constexpr rlim_t kTasksMax = 8192;
 
 /// Libraries, what they ask about the machine, and the program with its module of image codecs.
-FileRules rules_for(const fs::path& job_folder) {
+FileRules rules_for(const fs::path& job_folder, const fs::path& writable) {
   FileRules rules;
   rules.read = {"/usr",         "/lib",          "/lib64",        "/etc/ld.so.cache",
                 "/proc/self",   "/proc/cpuinfo", "/proc/meminfo", "/sys/devices/system",
@@ -43,7 +43,8 @@ FileRules rules_for(const fs::path& job_folder) {
     if (colon != 0) rules.read.emplace_back(folders.substr(0, colon));
     folders = colon == folders.npos ? std::string_view() : folders.substr(colon + 1);
   }
-  rules.write = {job_folder, "/dev/null"};
+  rules.read.push_back(job_folder);
+  rules.write = {writable, "/dev/null"};
   return rules;
 }
 
@@ -76,8 +77,9 @@ bool drop_capabilities() {
 
 }  // namespace
 
-api::Result<std::string> enter_sandbox(const fs::path& job_folder) {
-  const auto landlock = restrict_files(rules_for(job_folder));
+api::Result<std::string> enter_sandbox(const fs::path& job_folder, const fs::path& write_only_in) {
+  const auto landlock =
+      restrict_files(rules_for(job_folder, write_only_in.empty() ? job_folder : write_only_in));
   if (!landlock) return landlock.error();
   if (!set_limits() || !drop_capabilities())
     return api::Error{api::Fault::internal, "sandbox: limits: " + std::generic_category().message(errno)};

@@ -15,6 +15,8 @@ namespace engine {
 /// Call before the first thread is started: the kernel means threads. What the kernel cannot do is left out
 /// and not an error: the answer says what is in force, as "landlock 7, seccomp, limits", for the report.
 /// Errors: internal.
-api::Result<std::string> enter_sandbox(const std::filesystem::path& job_folder);
+/// With `write_only_in`, which must be there, it writes below that folder only.
+api::Result<std::string> enter_sandbox(const std::filesystem::path& job_folder,
+                                       const std::filesystem::path& write_only_in = {});
 
 }  // namespace engine

@@ -114,8 +114,9 @@ api::ExitCode view(const ViewCommand& command, const ViewRenderer& render) {
   if (command.parent) {
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
   }
+  // What was rendered stays as it is, and so do the videos.
   const api::Result<std::string> sandbox =
-      command.sandbox ? enter_sandbox(command.job_folder) : std::string();
+      command.sandbox ? enter_sandbox(command.job_folder, command.job_folder / "views") : std::string();
   if (!sandbox) return give_up(sandbox.error());
   const ViewPaths paths = paths_of(command);
   std::atomic<bool> ours = false;

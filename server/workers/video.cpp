@@ -26,6 +26,18 @@ api::Error failure_of(const ChildOutcome& outcome, const std::filesystem::path& 
   return {api::Fault::internal, "ffmpeg failed: " + outcome.log_tail};
 }
 
+/// What was to become `file` and never did.
+void remove_leftovers(const std::filesystem::path& folder, const std::string& file) {
+  std::vector<std::filesystem::path> found;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator at(folder, failed), end; !failed && at != end;
+       at.increment(failed))
+    if (const std::string name = at->path().filename().string();
+        name.starts_with(".tmp.") && name.ends_with("." + file))
+      found.push_back(at->path());
+  for (const auto& path : found) std::filesystem::remove(path, failed);
+}
+
 /// In the name of a sequence of pictures % begins a number.
 std::string without_percent(const std::string& path) {
   std::string out;
@@ -103,7 +115,11 @@ api::Status ViewService::make_video(const Job& job, const std::string& camera, c
   std::error_code failed;
   std::filesystem::create_directory(folder, failed);
   if (failed) return file_error(folder.string(), failed.value());
-  const std::filesystem::path temporary = folder / (".tmp." + file.filename().string());
+  // One that a server before this one has left is nobody's; ours no other process writes, whatever became of
+  // its ffmpeg.
+  remove_leftovers(folder, file.filename().string());
+  const std::filesystem::path temporary =
+      folder / (".tmp." + std::to_string(::getpid()) + "." + file.filename().string());
   ChildTask task;
   task.program = rules_.ffmpeg;
   task.arguments =
@@ -138,7 +154,8 @@ api::Result<Video> ViewService::ask_video(const Job& job, const std::string& cam
   video.file = camera + "." + extension;
   const std::lock_guard lock(mutex_);
   if (const auto still = jobs_.job(job.id); !still) return still.error();
-  if (const auto hash = read_below(videos_of(job), video.file + ".sha256", kSumBytes)) {
+  const auto hash = read_below(videos_of(job), video.file + ".sha256", kSumBytes);
+  if (hash && hash->size() == kSumBytes && hash->find_first_not_of("0123456789abcdef") == hash->npos) {
     const auto file = open_below(videos_of(job), video.file);
     if (!file) return api::Error{api::Fault::internal, file.error().message};
     const auto bytes = size_of(*file);

@@ -131,6 +131,9 @@ api::Status ViewService::make_view(const std::string& job_id, const std::string&
                                    const std::atomic<bool>& stopping) {
   const auto job = jobs_.job(job_id);
   if (!job) return job.error();
+  // The request may have been written by a worker that had no business there.
+  if (job->state != api::JobState::succeeded)
+    return api::Error{api::Fault::wrong_state, "the job has not succeeded, so there is nothing to look at"};
   const std::filesystem::path folder = jobs_.folder_of(*job), views = views_of(*job);
   // From wrong radiosity come wrong pictures.
   for (const char* read : {"radiosity*", "patches*"})

@@ -27,9 +27,14 @@ class Sandbox : public testing::Test {
   void SetUp() override {
     write(job() / "input/scene.obj", "v 0 0 0\n");
     fs::create_directories(job() / "artefacts");
+    fs::create_directories(job() / "views");
     write(outside() / "secret", "of another job");
+    run();
+  }
+  void run(const std::string& writable = "") {
+    outcome_.clear();
     const std::string command =
-        std::string(KEYLUME_SANDBOXED) + " " + job().string() + " " + outside().string();
+        std::string(KEYLUME_SANDBOXED) + " " + job().string() + " " + outside().string() + " " + writable;
     const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), pclose);
     char line[256];
     while (output && std::fgets(line, sizeof line, output.get()))
@@ -79,6 +84,14 @@ TEST_F(Sandbox, LeavesWhatARunNeeds) {
   expect("done", {"read a library", "read inside", "write inside", "start a thread", "signal itself",
                   "limit itself"});
   if (engine::landlock_version() != 1) expect("done", {"rename inside"});
+}
+
+TEST_F(Sandbox, OfAViewLeavesWhatWasRenderedAsItIs) {
+  if (engine::landlock_version() == 0) GTEST_SKIP() << "the kernel has no Landlock";
+  fs::remove(job() / "artefacts/made");
+  run((job() / "views").string());
+  expect("done", {"read inside", "write a view"});
+  expect("EACCES", {"write inside"});
 }
 
 TEST_F(Sandbox, LimitsFilesInSizeAndNumber) {

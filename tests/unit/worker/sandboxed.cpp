@@ -1,7 +1,7 @@
 // Enters the sandbox of a job folder and then tries what a worker must not be able to do. Prints one line per
 // attempt: its name and "done", or the error's name.
 //
-//   sandboxed JOB_FOLDER OUTSIDE_FOLDER
+//   sandboxed JOB_FOLDER OUTSIDE_FOLDER [WRITABLE_FOLDER]
 #include <fcntl.h>
 #include <mqueue.h>
 #include <netinet/in.h>
@@ -91,6 +91,7 @@ void use_files(const path& job, const path& outside) {
   attempt("make a device", [&] { return mknod((job / "device").c_str(), S_IFCHR | 0600, 0) == 0; });
   attempt("read a library", [] { return can_open("/etc/ld.so.cache", O_RDONLY); });
   attempt("read inside", [&] { return can_open(job / "input/scene.obj", O_RDONLY); });
+  attempt("write a view", [&] { return can_open(job / "views/made", O_WRONLY | O_CREAT); });
   attempt("write inside", [&] { return can_open(job / "artefacts/made", O_WRONLY | O_CREAT); });
   attempt("rename inside",
           [&] { return rename((job / "artefacts/made").c_str(), (job / "moved").c_str()) == 0; });
@@ -162,8 +163,8 @@ void use_limits(const path& job) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return 64;
-  const auto in_force = engine::enter_sandbox(argv[1]);
+  if (argc != 3 && argc != 4) return 64;
+  const auto in_force = engine::enter_sandbox(argv[1], argc == 4 ? argv[3] : "");
   if (!in_force) {
     std::fprintf(stderr, "%s\n", in_force.error().message.c_str());
     return 1;
