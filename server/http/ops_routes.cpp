@@ -102,7 +102,7 @@ void write_jobs(PrometheusText& text, const OpsSources& sources) {
   sources.job_times.write(text);
   const GarbageReport garbage = sources.jobs.garbage();
   text.family("keylume_gc_last_success_timestamp_seconds", "gauge",
-              "When jobs whose time is over were last looked for; 0: not yet.");
+              "When all jobs whose time was over were removed last; 0: not yet.");
   text.sample(static_cast<double>(garbage.last_ms) / 1000.0);
   text.family("keylume_gc_removed_jobs_total", "counter", "Jobs removed because their time was over.");
   text.sample(static_cast<double>(garbage.jobs));
@@ -120,8 +120,8 @@ void write_service(PrometheusText& text, const OpsSources& sources) {
   text.family("keylume_uploads_in_flight", "gauge", "Uploads that come in now.");
   text.sample(static_cast<double>(sources.uploads()));
   text.family("keylume_disk_free_bytes", "gauge", "Free on the file system of the data folder.");
-  text.sample(
-      static_cast<double>(free_bytes(sources.folder.uploads()) ? *free_bytes(sources.folder.uploads()) : -1));
+  const auto free = free_bytes(sources.folder.uploads());
+  text.sample(free ? static_cast<double>(*free) : -1);
   if (const auto bytes = sources.store.total_bytes()) {
     text.family("keylume_stored_bytes", "gauge", "Of all jobs and blobs, as quotas count them.");
     text.sample(static_cast<double>(*bytes));
