@@ -50,6 +50,14 @@ export interface Picked {
   position: Rgb;
 }
 
+/** Told by the canvas as the event "drawn" after every picture: what the bench counts. */
+export interface Drawn {
+  /** In frames. */
+  readonly time: number;
+  /** The light of this very moment was there, not that of a neighbour. */
+  readonly exact: boolean;
+}
+
 export interface LightingView {
   readonly canvas: HTMLCanvasElement;
   /** Lists are compared by identity: another list is another light. */
@@ -69,7 +77,5 @@ export interface LightingView {
   readonly trouble: Signal<string | null>;
   /** At a point of the canvas in CSS pixels. */
   pick(x: number, y: number): Picked | null;
-  /** Frames drawn per second lately, and seconds until the first; for the bench. */
-  readonly measured: { framesPerSecond: number; firstFrameSeconds: number | null };
   dispose(): void;
 }

@@ -5,7 +5,7 @@ import { Lifetime, Signal } from "../base/signal";
 import type { CameraState } from "../job/playhead";
 import { CameraControl } from "./camera_control";
 import { LightPasses } from "./light_passes";
-import type { Display, LightingView, Picked, Term } from "./lighting_view";
+import type { Display, Drawn, LightingView, Picked, Term } from "./lighting_view";
 import { paletteTexels } from "./palette";
 import { Marks } from "./marks";
 import { Picker } from "./picker";
@@ -19,7 +19,6 @@ import { DataTexture as Texture, LinearFilter, NoColorSpace, Sphere } from "thre
 export class NoWebGl extends Error {}
 
 const kPrefetchFrames = 48;
-const kMeasuredMs = 1000;
 const kMovingTint = new Vector3(0.2, 0.55, 1);
 
 const kFirstDisplay: Display = {
@@ -27,9 +26,9 @@ const kFirstDisplay: Display = {
   scale: { from: 0, to: 1, log: false, signed: false },
 };
 
-/** Throws NoWebGl where the browser has no WebGL 2 with float targets. `opened`: performance.now() to measure from. */
-export function createLightingView(canvas: HTMLCanvasElement, mesh: ShadingMesh, opened = performance.now()): LightingView {
-  return new WebGlView(canvas, mesh, opened);
+/** Throws NoWebGl where the browser has no WebGL 2 with float targets. */
+export function createLightingView(canvas: HTMLCanvasElement, mesh: ShadingMesh): LightingView {
+  return new WebGlView(canvas, mesh);
 }
 
 function rendererOn(canvas: HTMLCanvasElement): WebGLRenderer {
@@ -71,13 +70,11 @@ class WebGlView implements LightingView {
   private lightChanged = true;
   private wanted = 0; // of requestAnimationFrame; 0: none
   private lastDrawn = 0;
-  private drawn: number[] = [];
-  private firstSeconds: number | null = null;
+  private exact = false;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     private readonly mesh: ShadingMesh,
-    private readonly opened: number,
   ) {
     this.renderer = rendererOn(canvas);
     this.passes = new LightPasses(this.renderer, mesh);
@@ -151,12 +148,6 @@ class WebGlView implements LightingView {
     const size = new Vector2(this.canvas.clientWidth, this.canvas.clientHeight);
     place(this.mesh, this.surfaces, this.time);
     return this.picker.pick(this.scene, this.control.camera, size, x, y, this.time);
-  }
-
-  get measured() {
-    const since = performance.now() - kMeasuredMs;
-    this.drawn = this.drawn.filter((at) => at > since);
-    return { framesPerSecond: (this.drawn.length * 1000) / kMeasuredMs, firstFrameSeconds: this.firstSeconds };
   }
 
   dispose(): void {
@@ -261,9 +252,8 @@ class WebGlView implements LightingView {
     this.renderer.clear();
     this.renderer.render(this.scene, this.control.camera);
     this.lastDrawn = now;
-    this.drawn.push(performance.now());
-    if (this.firstSeconds === null && (this.uniforms["hasLight"]!.value || this.terms.length === 0))
-      this.firstSeconds = (performance.now() - this.opened) / 1000;
+    const drawn: Drawn = { time: this.time, exact: this.exact };
+    this.canvas.dispatchEvent(new CustomEvent("drawn", { detail: drawn }));
     if (this.control.walking) this.draw();
   }
 
@@ -278,17 +268,21 @@ class WebGlView implements LightingView {
       this.uniforms["patches"]!.value = this.passes.patches;
       this.uniforms["nodeValues"]!.value = this.passes.nodes;
     }
-    this.fetchMissing();
+    this.exact = this.fetchMissing() === 0;
   }
 
-  private fetchMissing(): void {
+  /** How many frames are still to come. */
+  private fetchMissing(): number {
+    let count = 0;
     const before = Math.floor(this.time);
     const frames = this.time > before ? [before, before + 1] : [before];
     for (const { source } of this.terms) {
       const missing = frames.filter((frame) => frame < source.frameCount && source.cached(frame) === null);
+      count += missing.length;
       if (missing.length === 0) source.prefetch(before, 1, kPrefetchFrames);
       for (const frame of missing) source.load(frame).then(() => this.arrived(), (error: unknown) => this.failed(error));
     }
+    return count;
   }
 
   private arrived(): void {

@@ -8,11 +8,11 @@ import type { Sight } from "./sight";
 const kSteps = 64;
 const kTicks = 5;
 
-/** Three significant digits, without a power of ten where people read better without. */
-export function wattsPerSquareMetre(value: number): string {
+/** Without a power of ten where people read better without. */
+export function wattsPerSquareMetre(value: number, digits = 3): string {
   if (value === 0) return "0";
   const size = Math.abs(value);
-  return size >= 0.001 && size < 100000 ? String(Number(value.toPrecision(3))) : value.toExponential(1);
+  return size >= 0.001 && size < 100000 ? String(Number(value.toPrecision(digits))) : value.toExponential(digits - 1);
 }
 
 export function colourLegend(context: JobContext, sight: Signal<Sight>): HTMLElement {

@@ -10,6 +10,8 @@ const kClickPixels = 4;
 /** Patches that are plotted at once. */
 export const kPinnedMax = 8;
 const kLookMs = 80;
+/** As many as half floats have. */
+const kDigits = 4;
 
 export function followPointer(context: JobContext, stage: LightStage, sight: Signal<Sight>): HTMLElement {
   const { canvas } = stage.view;
@@ -56,7 +58,7 @@ function textAt(context: JobContext, stage: LightStage, sight: Signal<Sight>, x:
   const series = sight.value.mode === "error" ? "radiosity_se" : "radiosity";
   const rgb = stage.source(series).value(picked.patch, context.playhead.frame);
   const object = stage.mesh.objectNames[picked.object] ?? "";
-  const value = rgb ? ` ${rgb.map(wattsPerSquareMetre).join("  ")} W/m²` : "";
+  const value = rgb ? ` ${rgb.map((value) => wattsPerSquareMetre(value, kDigits)).join("  ")} W/m²` : "";
   return `${object ? `${object} · ` : ""}patch ${picked.patch}${value}`;
 }
 

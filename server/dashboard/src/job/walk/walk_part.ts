@@ -12,7 +12,6 @@ import { walkTools } from "./walk_tools";
 import "./walk.css";
 
 export const openWalk: OpenJobPart = (context) => {
-  const opened = performance.now();
   const place = h("div", { class: "walk-place" });
   let begun = false;
   context.lifetime.add(context.job.watch((job) => {
@@ -25,7 +24,7 @@ export const openWalk: OpenJobPart = (context) => {
     }
     begun = true;
     fill(place, h("p", { class: "muted walk-wait", role: "status" }, "Fetching the surfaces…"));
-    begin(context, place, opened).catch((error: unknown) => {
+    begin(context, place).catch((error: unknown) => {
       if (!context.lifetime.ended) fill(place, notice(error));
     });
   }));
@@ -40,7 +39,7 @@ function notice(error: unknown): HTMLElement {
 }
 
 /** three.js comes with its own chunk, when it is first needed. */
-async function begin(context: JobContext, place: HTMLElement, opened: number): Promise<void> {
+async function begin(context: JobContext, place: HTMLElement): Promise<void> {
   const [{ mesh, source }, { createLightingView }] = await Promise.all([fetchMesh(context), import("../../scene/webgl_view")]);
   if (context.lifetime.ended) return;
   context.playhead.fps = mesh.fps;
@@ -50,7 +49,7 @@ async function begin(context: JobContext, place: HTMLElement, opened: number): P
   });
   const frame = h("div", { class: "walk-frame" }, canvas);
   fill(place, frame);
-  const view = createLightingView(canvas, mesh, opened);
+  const view = createLightingView(canvas, mesh);
   context.lifetime.add(() => view.dispose());
   const sight = new Signal<Sight>(firstSight(mesh));
   const light = new Signal<readonly Term[]>([{ source: source("radiosity"), gain: [1, 1, 1] }]);
