@@ -12,15 +12,15 @@ export interface ScenePreview {
 }
 
 export function scenePreview(page: Lifetime): ScenePreview {
-  const element = h("div", { class: "preview", hidden: true });
+  const element = h("div", { class: "preview" });
   let shown = new Lifetime();
   page.add(() => shown.end());
   const clear = (): void => {
     shown.end();
     shown = new Lifetime();
-    element.hidden = true;
-    fill(element);
+    fill(element, h("p", { class: "preview-empty muted" }, "The scene appears here when its files are there."));
   };
+  clear();
   return {
     element, clear,
     show: async (archive) => {
@@ -28,7 +28,6 @@ export function scenePreview(page: Lifetime): ScenePreview {
       const mesh = readShadingMesh(archive);
       clear();
       if (page.ended) return;
-      element.hidden = false;
       open(element, mesh, createLightingView, shown);
     },
   };

@@ -2,6 +2,7 @@
 import { get } from "../../api/client";
 import { messageOf } from "../../api/api_error";
 import type { Job } from "../../api/types";
+import { ago } from "../../base/format";
 import { fill, h } from "../../base/h";
 import { Signal } from "../../base/signal";
 import type { OpenPage, PageContext } from "../../shell/page";
@@ -40,7 +41,7 @@ function chooser(a: string | null, b: string | null): HTMLElement {
     },
   }, h("label", null, "A ", first), h("label", null, "B ", second), h("button", { class: "primary" }, "Compare"));
   get("/v1/jobs", { query: { state: "succeeded", limit: kListed } }).then(({ jobs }) => {
-    const options = (): Node[] => jobs.map((job) => h("option", { value: job.id }, `${job.name || job.id} · ${job.id.slice(0, 6)}`));
+    const options = (): Node[] => jobs.map((job) => h("option", { value: job.id }, `${job.name || "without a name"} · …${job.id.slice(-6)} · ${ago(job.created_at)}`));
     fill(first, options());
     fill(second, options());
     first.value = a ?? jobs[0]?.id ?? "";

@@ -10,11 +10,13 @@ import { copyCurlButton } from "../../shell/copy_curl";
 import { toastError } from "../../shell/toast";
 import { keyFramesOf } from "../key_frames";
 import type { JobContext, OpenJobPart } from "../job_part";
-import { kChannels, type Channel } from "./channels";
+import { channelOf, kChannels, type Channel } from "./channels";
+import { wattsPerSquareMetre } from "../walk/colour_legend";
 import { probePlot } from "./probe_plot";
 import { saveFile } from "../../base/save_file";
 import "./probe.css";
 
+const kDigits = 4;
 const kPath = "/v1/jobs/{id}/patches/series";
 
 export const openProbe: OpenJobPart = (context) => {
@@ -31,7 +33,13 @@ export const openProbe: OpenJobPart = (context) => {
     shown.end();
     shown = new Lifetime();
     const patches = playhead.pinned.value;
-    fill(chips, patches.map((patch, k) => chip(context, patch, k)));
+    const valueAt = (patch: number): string => {
+      const rgb = known.get(patch)?.radiosity[playhead.frame];
+      return rgb ? `${wattsPerSquareMetre(channelOf(rgb, channel), kDigits)} W/m²` : "";
+    };
+    const values = patches.map((patch, k) => chip(context, patch, k));
+    fill(chips, values.map(({ element }) => element));
+    const tellValues = (): void => patches.forEach((patch, k) => (values[k]!.value.textContent = valueAt(patch)));
     tools.hidden = patches.length === 0;
     if (patches.length === 0) {
       fill(place, h("p", { class: "muted" }, "Click patches in the picture to plot their radiosity over time (or press Enter for the one in the middle)."));
@@ -42,6 +50,7 @@ export const openProbe: OpenJobPart = (context) => {
       .then(() => keyFramesOf(context))
       .then((keys) => {
         if (mine.ended) return;
+        mine.add(playhead.time.watch(tellValues));
         const series = patches.flatMap((patch) => known.get(patch) ?? []);
         probePlot(place, { series, channel, keys, playhead }, mine);
       })
@@ -67,14 +76,19 @@ async function fetchMissing(context: JobContext, patches: readonly number[], kno
   for (const series of answer.series) known.set(series.patch, series);
 }
 
-function chip({ playhead }: JobContext, patch: number, k: number): HTMLElement {
+/** `value`: at the moment that is shown. */
+function chip({ playhead }: JobContext, patch: number, k: number): { element: HTMLElement; value: HTMLElement } {
   const swatch = h("span", { class: "probe-swatch", "aria-hidden": "true" });
   swatch.style.background = kLineColours[k % kLineColours.length]!;
   const drop = (): void => {
     playhead.pinned.value = playhead.pinned.value.filter((other) => other !== patch);
   };
-  return h("li", { class: "probe-chip" }, swatch, `patch ${patch}`,
-    h("button", { class: "quiet icon", "aria-label": `Let patch ${patch} go`, onclick: drop }, "×"));
+  const value = h("output", { class: "probe-value", "aria-live": "off" });
+  return {
+    value,
+    element: h("li", { class: "probe-chip" }, swatch, `patch ${patch}`, value,
+      h("button", { class: "quiet icon", "aria-label": `Let patch ${patch} go`, onclick: drop }, "×")),
+  };
 }
 
 function csvButtons(context: JobContext): Node[] {
