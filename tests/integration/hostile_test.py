@@ -186,8 +186,8 @@ class Hostile(ServiceTestCase):
                                                      "Content-Type: application/json"), b" " * 1_000_000])
                 statuses.append(status)
         statuses = []
-        for _ in range(4):  # 16 at once, 64 threads after one another
-            threads = [threading.Thread(target=send) for _ in range(16)]
+        for _ in range(8):  # 8 at once, and all threads of the service after one another
+            threads = [threading.Thread(target=send) for _ in range(8)]
             for thread in threads:
                 thread.start()
             for thread in threads:
@@ -195,7 +195,8 @@ class Hostile(ServiceTestCase):
         self.assertEqual(set(statuses), {404})
         now = resident_mib(self.running.process.pid)
         print(f"{now - self.before:.1f} MiB more afterwards", flush=True)
-        self.assertLess(now - self.before, 12)
+        # Every thread's stack has been used by now, 100 to 200 KiB of it; 64 bodies kept would be 60 MiB.
+        self.assertLess(now - self.before, 20)
 
     def test_line_ends_in_names_and_values_reach_no_header(self):
         for path in ("/v1/jobs%0d%0aX-Injected:%20yes", "/v1/jobs/a%0d%0aSet-Cookie:%20x=1", "/v1/jobs?state=%0d%0aX-Injected:1",
