@@ -8,7 +8,7 @@ import type { DataTexture, WebGLRenderer } from "three";
 import type { Term } from "./lighting_view";
 import type { ShadingMesh } from "./shading_mesh";
 import { kNodeFragment, kPatchFragment, kWholeTargetVertex } from "./shaders";
-import { fillTexture, halfTexture, kHalfsPerRow, kTexelsPerRow, rowsFor, uintTexture } from "./texels";
+import { fillTexture, halfTexture, kTexelsPerRow, rowsFor, uintTexture } from "./texels";
 
 /** A frame on the graphics processor. */
 interface Loaded {
@@ -50,7 +50,7 @@ export class LightPasses {
     this.nodeTarget = target(mesh.nodeCount);
     this.patchPass = pass(kPatchFragment, {
       sum: { value: null }, before: { value: null }, after: { value: null }, gain: { value: new Vector3() },
-      weight: { value: 0 }, first: { value: 1 }, width: { value: kTexelsPerRow }, halfWidth: { value: kHalfsPerRow },
+      weight: { value: 0 }, first: { value: 1 },
     });
     const first = uintTexture(mesh.rowFirst, 1);
     const entries = new Uint32Array(2 * mesh.rowPatch.length);
@@ -62,8 +62,8 @@ export class LightPasses {
     const row = uintTexture(entries, 2);
     this.rows = [first, row];
     this.nodePass = pass(kNodeFragment, {
-      patches: { value: null }, rowFirst: { value: first }, row: { value: row }, width: { value: kTexelsPerRow },
-      patchWidth: { value: kTexelsPerRow }, rowWidth: { value: kTexelsPerRow }, nodeCount: { value: mesh.nodeCount },
+      patches: { value: null }, rowFirst: { value: first }, row: { value: row },
+      nodeCount: { value: mesh.nodeCount },
     });
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));

@@ -1,7 +1,10 @@
-// GLSL ES 3.00. Patches and nodes are rows of texels: number i is texel (i % width, i / width).
+// GLSL ES 3.00. Patches, nodes and halves are rows of texels: number i is texel (i % width, i / width). Widths are powers
+// of two: a division for every texel would cost software a third of its pace.
+import { kHalfsShift, kTexelsShift } from "./texels";
 
 const kTexel = `
-ivec2 texelOf(uint i, int width) { return ivec2(int(i) % width, int(i) / width); }
+ivec2 texelOf(uint i) { return ivec2(int(i & ${(1 << kTexelsShift) - 1}u), int(i >> ${kTexelsShift})); }
+ivec2 halfOf(uint i) { return ivec2(int(i & ${(1 << kHalfsShift) - 1}u), int(i >> ${kHalfsShift})); }
 `;
 
 /** One triangle over the whole target. */
@@ -18,17 +21,16 @@ precision highp sampler2D;
 uniform sampler2D sum, before, after;
 uniform vec3 gain;
 uniform float weight, first;
-uniform int width, halfWidth;
 out vec4 value;
 ${kTexel}
 vec3 radiosity(sampler2D frame, uint patchId) {
   uint i = 3u * patchId;
-  return vec3(texelFetch(frame, texelOf(i, halfWidth), 0).r, texelFetch(frame, texelOf(i + 1u, halfWidth), 0).r,
-              texelFetch(frame, texelOf(i + 2u, halfWidth), 0).r);
+  return vec3(texelFetch(frame, halfOf(i), 0).r, texelFetch(frame, halfOf(i + 1u), 0).r,
+              texelFetch(frame, halfOf(i + 2u), 0).r);
 }
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  uint id = uint(at.y * width + at.x);
+  uint id = uint((at.y << ${kTexelsShift}) + at.x);
   vec3 here = radiosity(before, id);
   if (weight > 0.0) here = mix(here, radiosity(after, id), weight);
   value = vec4(gain * here + (first > 0.5 ? vec3(0.0) : texelFetch(sum, at, 0).rgb), 1.0);
@@ -43,18 +45,17 @@ precision highp sampler2D;
 precision highp usampler2D;
 uniform sampler2D patches;
 uniform usampler2D rowFirst, row;
-uniform int width, patchWidth, rowWidth;
 uniform uint nodeCount;
 out vec4 value;
 ${kTexel}
 void main() {
-  uint node = uint(int(gl_FragCoord.y) * width + int(gl_FragCoord.x));
+  uint node = uint((int(gl_FragCoord.y) << ${kTexelsShift}) + int(gl_FragCoord.x));
   value = vec4(0.0);
   if (node >= nodeCount) return;
-  uint end = texelFetch(rowFirst, texelOf(node + 1u, width), 0).r;
-  for (uint k = texelFetch(rowFirst, texelOf(node, width), 0).r; k < end; ++k) {
-    uvec2 entry = texelFetch(row, texelOf(k, rowWidth), 0).rg;
-    value.rgb += uintBitsToFloat(entry.y) * texelFetch(patches, texelOf(entry.x, patchWidth), 0).rgb;
+  uint end = texelFetch(rowFirst, texelOf(node + 1u), 0).r;
+  for (uint k = texelFetch(rowFirst, texelOf(node), 0).r; k < end; ++k) {
+    uvec2 entry = texelFetch(row, texelOf(k), 0).rg;
+    value.rgb += uintBitsToFloat(entry.y) * texelFetch(patches, texelOf(entry.x), 0).rgb;
   }
 }
 `;
@@ -66,7 +67,6 @@ precision highp int;
 precision highp usampler2D;
 uniform mat4 modelViewMatrix, projectionMatrix;
 uniform usampler2D patchNodes;
-uniform int patchWidth;
 in vec3 position;
 in uint patchId;
 in float corner;
@@ -77,7 +77,7 @@ out vec3 seenAt;
 ${kTexel}
 void main() {
   id = patchId;
-  nodes = texelFetch(patchNodes, texelOf(patchId, patchWidth), 0);
+  nodes = texelFetch(patchNodes, texelOf(patchId), 0);
   bool triangle = nodes.w == 0xffffffffu;
   cell = vec2(corner == 1.0 || (corner == 2.0 && !triangle) ? 1.0 : 0.0, corner >= 2.0 ? 1.0 : 0.0);
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
@@ -93,7 +93,7 @@ precision highp int;
 precision highp sampler2D;
 precision highp usampler2D;
 uniform sampler2D patches, nodeValues, palette, reflectance, marked;
-uniform int patchWidth, nodeWidth, what, toneMap;
+uniform int what, toneMap;
 uniform bool smoothShaded, borders, isBack, hasLight;
 uniform vec4 scale;   // from, to, log, signed
 uniform float exposure, filmicScale;
@@ -104,10 +104,10 @@ in vec2 cell;
 in vec3 seenAt;
 out vec4 colour;
 ${kTexel}
-vec3 node(uint n) { return texelFetch(nodeValues, texelOf(n, nodeWidth), 0).rgb; }
+vec3 node(uint n) { return texelFetch(nodeValues, texelOf(n), 0).rgb; }
 vec3 radiosity() {
   if (!hasLight) return vec3(0.0);
-  if (!smoothShaded) return texelFetch(patches, texelOf(id, patchWidth), 0).rgb;
+  if (!smoothShaded) return texelFetch(patches, texelOf(id), 0).rgb;
   vec2 at = clamp(cell, 0.0, 1.0);
   if (nodes.w == 0xffffffffu)
     return node(nodes.x) * max(1.0 - at.x - at.y, 0.0) + node(nodes.y) * at.x + node(nodes.z) * at.y;
@@ -132,7 +132,7 @@ vec3 falseColour(vec3 b) {
 }
 vec3 clay() {
   vec3 normal = normalize(cross(dFdx(seenAt), dFdy(seenAt)));
-  vec4 material = texelFetch(reflectance, texelOf(id, patchWidth), 0);
+  vec4 material = texelFetch(reflectance, texelOf(id), 0);
   if (material.a > 0.5) return vec3(1.0, 0.85, 0.3);
   return srgb(material.rgb * (0.25 + 0.75 * abs(dot(normal, normalize(seenAt)))));
 }
@@ -153,7 +153,7 @@ void main() {
   vec3 shown = what == 0 ? srgb(toneCurve(max(radiosity(), 0.0) * exposure)) : what == 1 ? falseColour(radiosity()) : clay();
   shown = mix(shown, tint, what == 2 ? 0.45 * step(0.001, dot(tint, tint)) : 0.0);
   if (borders) shown *= 1.0 - 0.45 * edge();
-  float mark = texelFetch(marked, texelOf(id, patchWidth), 0).r;
+  float mark = texelFetch(marked, texelOf(id), 0).r;
   if (mark > 0.0) shown = mix(shown, vec3(1.0, 0.45, 0.0), max(0.35, edge()));
   colour = vec4(shown, 1.0);
 }

@@ -5,10 +5,12 @@ import {
 } from "three";
 import type { PixelFormat, TextureDataType } from "three";
 
-/** Texels side by side in one row; every device that has WebGL 2 takes 2048. */
-export const kTexelsPerRow = 1024;
+/** Powers of two, see shaders.ts; every device that has WebGL 2 takes 2048. */
+export const kTexelsShift = 10;
+export const kTexelsPerRow = 1 << kTexelsShift;
 /** Of half floats, three for each patch. */
-export const kHalfsPerRow = 3 * 512;
+export const kHalfsShift = 11;
+export const kHalfsPerRow = 1 << kHalfsShift;
 
 export function rowsFor(count: number, width: number): number {
   return Math.max(1, Math.ceil(count / width));

@@ -12,7 +12,7 @@ import { Picker } from "./picker";
 import { cameraAt, type ShadingMesh } from "./shading_mesh";
 import { kSurfaceFragment } from "./shaders";
 import { boundsOf, buildSurfaces, moves, place, surfaceMaterial, type Surface } from "./surfaces";
-import { byteTexture, kTexelsPerRow, rgbTexture, uintTexture } from "./texels";
+import { byteTexture, rgbTexture, uintTexture } from "./texels";
 import { kFilmicScale } from "./tone_curve";
 import { DataTexture as Texture, LinearFilter, NoColorSpace, Sphere } from "three";
 
@@ -166,8 +166,7 @@ class WebGlView implements LightingView {
   private makeUniforms(): Record<string, { value: unknown }> {
     const reflectance = rgbTexture(this.mesh.patchReflectance, (patch) => this.mesh.materialEmits[this.mesh.patchMaterial[patch]!]!);
     return {
-      patchNodes: { value: uintTexture(this.mesh.patchNodes, 4) }, patchWidth: { value: kTexelsPerRow },
-      nodeWidth: { value: kTexelsPerRow }, patches: { value: null }, nodeValues: { value: null },
+      patchNodes: { value: uintTexture(this.mesh.patchNodes, 4) }, patches: { value: null }, nodeValues: { value: null },
       palette: { value: paletteTexture() }, reflectance: { value: reflectance }, marked: { value: this.marked },
       what: { value: 0 }, toneMap: { value: 1 }, smoothShaded: { value: true }, borders: { value: false },
       hasLight: { value: false }, scale: { value: new Vector4(0, 1, 0, 0) },
