@@ -24,7 +24,7 @@ export const openLoginPage: OpenPage = ({ query, setTitle }) => {
   const form = h("form", { class: "login card", onsubmit: (event) => { event.preventDefault(); void logIn(); } },
     h("label", { for: "token" }, "Token"), token,
     h("p", { class: "muted", id: "token-help" }, "Who runs this service makes one with ", h("code", null, "keylume-server token create NAME"),
-      ". It is exchanged for a cookie that lasts a week; nothing else is kept in this browser."),
+      ". It is kept for a week in a cookie that scripts cannot read; nothing else is kept in this browser."),
     trouble, h("div", null, button));
 
   async function logIn(): Promise<void> {
