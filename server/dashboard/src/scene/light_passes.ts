@@ -1,14 +1,12 @@
 // From frames of half floats to the radiosity of patches and nodes at a moment, on the graphics processor: sums of
 // gain x mix(frame before, frame after), then the rows of the mesh's matrix.
-import {
-  BufferAttribute, BufferGeometry, Camera, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, RawShaderMaterial, Vector3,
-  WebGLRenderTarget,
-} from "three";
-import type { DataTexture, WebGLRenderer } from "three";
+import { FloatType, NearestFilter, Vector3, WebGLRenderTarget } from "three";
+import type { DataTexture, RawShaderMaterial, WebGLRenderer } from "three";
 import type { Term } from "./lighting_view";
 import type { ShadingMesh } from "./shading_mesh";
-import { kNodeFragment, kPatchFragment, kWholeTargetVertex } from "./shaders";
+import { kNodeFragment, kPatchFragment } from "./shaders";
 import { fillTexture, halfTexture, kTexelsPerRow, rowsFor, uintTexture } from "./texels";
+import { texelShader, WholeTarget } from "./whole_target";
 
 /** A frame on the graphics processor. */
 interface Loaded {
@@ -24,31 +22,23 @@ function target(count: number): WebGLRenderTarget {
   return made;
 }
 
-function pass(fragmentShader: string, uniforms: Record<string, { value: unknown }>): RawShaderMaterial {
-  return new RawShaderMaterial({
-    glslVersion: GLSL3, vertexShader: kWholeTargetVertex, fragmentShader, uniforms,
-    blending: NoBlending, depthTest: false, depthWrite: false,
-  });
-}
-
 export class LightPasses {
   private readonly sums: [WebGLRenderTarget, WebGLRenderTarget];
   private readonly nodeTarget: WebGLRenderTarget;
   private readonly patchPass: RawShaderMaterial;
   private readonly nodePass: RawShaderMaterial;
-  private readonly whole: Mesh<BufferGeometry, RawShaderMaterial>;
-  private readonly camera = new Camera();
+  private readonly whole: WholeTarget;
   private readonly rows: readonly DataTexture[];
   /** Two frames for each term: before and after the moment. */
   private loaded: Loaded[] = [];
 
   constructor(
-    private readonly renderer: WebGLRenderer,
+    renderer: WebGLRenderer,
     private readonly mesh: ShadingMesh,
   ) {
     this.sums = [target(mesh.patchCount), target(mesh.patchCount)];
     this.nodeTarget = target(mesh.nodeCount);
-    this.patchPass = pass(kPatchFragment, {
+    this.patchPass = texelShader(kPatchFragment, {
       sum: { value: null }, before: { value: null }, after: { value: null }, gain: { value: new Vector3() },
       weight: { value: 0 }, first: { value: 1 },
     });
@@ -61,14 +51,11 @@ export class LightPasses {
     }
     const row = uintTexture(entries, 2);
     this.rows = [first, row];
-    this.nodePass = pass(kNodeFragment, {
+    this.nodePass = texelShader(kNodeFragment, {
       patches: { value: null }, rowFirst: { value: first }, row: { value: row },
       nodeCount: { value: mesh.nodeCount },
     });
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
-    this.whole = new Mesh(geometry, this.patchPass);
-    this.whole.frustumCulled = false;
+    this.whole = new WholeTarget(renderer);
   }
 
   /** [W/m^2] RGBA, kTexelsPerRow wide. */
@@ -101,12 +88,12 @@ export class LightPasses {
       const second = frameB === frameA ? first : this.load(2 * k + 1, term, frameB, b!);
       this.add(term, first, second, weight, k === 0);
     });
-    this.draw(this.nodePass, { patches: this.patches }, this.nodeTarget);
+    this.whole.draw(this.nodePass, { patches: this.patches }, this.nodeTarget);
     return true;
   }
 
   dispose(): void {
-    for (const each of [...this.sums, this.nodeTarget, this.patchPass, this.nodePass, this.whole.geometry, ...this.rows])
+    for (const each of [...this.sums, this.nodeTarget, this.patchPass, this.nodePass, this.whole, ...this.rows])
       each.dispose();
     for (const { texture } of this.loaded) texture.dispose();
   }
@@ -137,14 +124,6 @@ export class LightPasses {
     const gain = new Vector3(...term.gain).multiplyScalar(term.source.halfScale);
     const sum = this.patches;
     this.sums.reverse();
-    this.draw(this.patchPass, { sum, before, after, weight, gain, first: first ? 1 : 0 }, this.sums[0]);
-  }
-
-  private draw(material: RawShaderMaterial, uniforms: Record<string, unknown>, into: WebGLRenderTarget): void {
-    for (const [name, value] of Object.entries(uniforms)) material.uniforms[name]!.value = value;
-    this.whole.material = material;
-    this.renderer.setRenderTarget(into);
-    this.renderer.render(this.whole, this.camera);
-    this.renderer.setRenderTarget(null);
+    this.whole.draw(this.patchPass, { sum, before, after, weight, gain, first: first ? 1 : 0 }, this.sums[0]);
   }
 }

@@ -13,6 +13,15 @@ in vec3 position;
 void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
 `;
 
+/** The same picture. */
+export const kCopyFragment = `
+precision highp float;
+precision highp sampler2D;
+uniform sampler2D picture;
+out vec4 colour;
+void main() { colour = texelFetch(picture, ivec2(gl_FragCoord.xy), 0); }
+`;
+
 /** Adds a term: sum + gain * mix(before, after). Half floats lie side by side, three to a patch. [W/m^2] */
 export const kPatchFragment = `
 precision highp float;

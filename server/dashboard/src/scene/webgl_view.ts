@@ -13,12 +13,14 @@ import { cameraAt, type ShadingMesh } from "./shading_mesh";
 import { kSurfaceFragment } from "./shaders";
 import { boundsOf, buildSurfaces, moves, place, surfaceMaterial, type Surface } from "./surfaces";
 import { byteTexture, rgbTexture, uintTexture } from "./texels";
+import { SmoothEdges } from "./smooth_edges";
 import { kFilmicScale } from "./tone_curve";
 import { DataTexture as Texture, LinearFilter, NoColorSpace, Sphere } from "three";
 
 export class NoWebGl extends Error {}
 
 const kPrefetchFrames = 48;
+const kStillMs = 120;
 const kMovingTint = new Vector3(0.2, 0.55, 1);
 
 const kFirstDisplay: Display = {
@@ -32,7 +34,7 @@ export function createLightingView(canvas: HTMLCanvasElement, mesh: ShadingMesh)
 }
 
 function rendererOn(canvas: HTMLCanvasElement): WebGLRenderer {
-  const context = canvas.getContext("webgl2", { antialias: true, alpha: false, powerPreference: "high-performance" });
+  const context = canvas.getContext("webgl2", { antialias: false, alpha: false, powerPreference: "high-performance" });
   if (!context) throw new NoWebGl("this browser shows no WebGL 2");
   if (!context.getExtension("EXT_color_buffer_float")) throw new NoWebGl("this graphics processor cannot draw into floats");
   const renderer = new WebGLRenderer({ canvas, context });
@@ -56,6 +58,7 @@ class WebGlView implements LightingView {
   private readonly scene = new Scene();
   private readonly surfaces: Surface[];
   private readonly bounds: Sphere;
+  private readonly smoothEdges: SmoothEdges;
   private readonly passes: LightPasses;
   private readonly marks: Marks;
   private readonly control: CameraControl;
@@ -71,12 +74,14 @@ class WebGlView implements LightingView {
   private wanted = 0; // of requestAnimationFrame; 0: none
   private lastDrawn = 0;
   private exact = false;
+  private still: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     private readonly mesh: ShadingMesh,
   ) {
     this.renderer = rendererOn(canvas);
+    this.smoothEdges = new SmoothEdges(this.renderer);
     this.passes = new LightPasses(this.renderer, mesh);
     this.marked = byteTexture(mesh.patchCount);
     this.uniforms = this.makeUniforms();
@@ -152,6 +157,8 @@ class WebGlView implements LightingView {
 
   dispose(): void {
     cancelAnimationFrame(this.wanted);
+    clearTimeout(this.still);
+    this.smoothEdges.dispose();
     this.lifetime.end();
     this.control.dispose();
     this.picker.dispose();
@@ -250,10 +257,17 @@ class WebGlView implements LightingView {
     if (this.display.marks) this.marks.place(this.time);
     this.renderer.clear();
     this.renderer.render(this.scene, this.control.camera);
+    this.smoothLater();
     this.lastDrawn = now;
     const drawn: Drawn = { time: this.time, exact: this.exact };
     this.canvas.dispatchEvent(new CustomEvent("drawn", { detail: drawn }));
     if (this.control.walking) this.draw();
+  }
+
+  /** Smooth edges cost software as much again as all else: they come when nothing has changed for a moment. */
+  private smoothLater(): void {
+    clearTimeout(this.still);
+    this.still = setTimeout(() => this.smoothEdges.draw(this.scene, this.control.camera), kStillMs);
   }
 
   private updateLight(): void {
