@@ -136,7 +136,7 @@ class Contract:
 
     def find(self, method, path):
         """-> operation and the values of its path; None where the document has no such operation."""
-        segments = unquote(path.partition("?")[0], errors="replace").split("/")
+        segments = [unquote(segment, errors="replace") for segment in path.partition("?")[0].split("/")]
         wanted = "GET" if method == "HEAD" else method
         best = None
         for operation in self.operations:
