@@ -95,8 +95,13 @@ api::Result<Database> Database::open_to_read(const std::filesystem::path& file) 
 api::Status Database::execute(std::string_view script) {
   const std::string text(script);
   const int code = sqlite3_exec(handle_.get(), text.c_str(), nullptr, nullptr, nullptr);
-  if (code != SQLITE_OK) return sqlite_error(code, sqlite3_errmsg(handle_.get()));
-  return api::Done{};
+  if (code == SQLITE_OK) return api::Done{};
+  note_damage(handle_.get(), code);
+  return sqlite_error(code, sqlite3_errmsg(handle_.get()));
+}
+
+bool Database::damaged() const {
+  return is_damaged(handle_.get());
 }
 
 std::int64_t Database::changes() const {

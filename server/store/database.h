@@ -34,6 +34,8 @@ class Database {
   std::int64_t changes() const;
   std::int64_t last_row() const;
   bool in_transaction() const;
+  /// Has SQLite found a page that is none, since this was opened?
+  bool damaged() const;
 
  private:
   struct Close {

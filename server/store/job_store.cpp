@@ -27,7 +27,7 @@ api::Result<std::unique_ptr<JobStore>> JobStore::open(const std::filesystem::pat
   auto database = Database::open(file);
   if (!database) return database.error();
   if (const api::Status whole = check_integrity(*database); !whole) return whole.error();
-  if (const api::Status migrated = migrate(*database); !migrated) return migrated.error();
+  if (const api::Status migrated = migrate_file(*database, file); !migrated) return migrated.error();
   return std::unique_ptr<JobStore>(new JobStore(std::move(*database), std::move(clock)));
 }
 

@@ -7,8 +7,9 @@
 namespace server {
 namespace {
 
-constexpr int kPagesAtOnce = 1000;
+constexpr int kAllPages = -1;
 constexpr int kWaitMs = 20;
+constexpr int kTriesMax = 500;
 constexpr std::size_t kDamageMax = 100;
 
 struct CloseFile {
@@ -36,9 +37,13 @@ api::Status copy_database(const std::filesystem::path& from, const std::filesyst
   sqlite3_backup* backup = sqlite3_backup_init(target->get(), "main", source->get(), "main");
   if (!backup) return sqlite_error(sqlite3_errcode(target->get()), sqlite3_errmsg(target->get()));
   int code = SQLITE_OK;
-  while ((code = sqlite3_backup_step(backup, kPagesAtOnce)) == SQLITE_OK || code == SQLITE_BUSY ||
-         code == SQLITE_LOCKED)
-    if (code != SQLITE_OK) sqlite3_sleep(kWaitMs);
+  // In one step: between two of them every commit of others would make it begin again, for ever where they
+  // are busy. It reads what was there at its begin, and keeps nobody from writing.
+  for (int tries = 0; tries < kTriesMax; ++tries) {
+    code = sqlite3_backup_step(backup, kAllPages);
+    if (code != SQLITE_BUSY && code != SQLITE_LOCKED) break;
+    sqlite3_sleep(kWaitMs);
+  }
   (void)sqlite3_backup_finish(backup);
   if (code != SQLITE_DONE) return sqlite_error(code, sqlite3_errstr(code));
   // The copy says WAL of itself, as the original does; written so, it stays a single file.
@@ -107,3 +112,43 @@ api::Status forget_job(Database& database, const std::string& id) {
 }
 
 }  // namespace server
+api::Result<bool> is_kept(Database& database, const std::string& id) {
+  Statement select = database.prepare("SELECT 1 FROM job WHERE id = ? AND removing = 0");
+  const bool kept = select.bind(id).next();
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return kept;
+}
+
+api::Result<std::vector<KeptInput>> kept_inputs(Database& database) {
+  Statement select = database.prepare(
+      "SELECT job.id, job_input.name, job_input.bytes FROM job_input JOIN job ON job.seq = job_seq "
+      "WHERE removing = 0 ORDER BY job_seq, job_input.name");
+  std::vector<KeptInput> inputs;
+  while (select.next()) inputs.push_back({select.text(0), select.text(1), select.integer(2)});
+  if (const api::Status ok = select.status(); !ok) return ok.error();
+  return inputs;
+}
+
+api::Status end_attempts_of_copy(Database& database, std::int64_t now_ms) {
+  const std::string now = std::to_string(now_ms);
+  const std::string under_way = " WHERE state IN ('running', 'pause_requested', 'cancel_requested')";
+  const std::string next =
+      "CASE state WHEN 'running' THEN 'queued' WHEN 'pause_requested' THEN 'paused' ELSE 'canceled' END";
+  const std::string why = "'restored', 'it was under way when this copy of the data was made'";
+  Transaction transaction(database);
+  if (api::Status begun = transaction.begin(); !begun) return begun;
+  // Columns of the first schema only: the copy may be of a database that this version has not migrated yet.
+  for (const std::string& script :
+       {std::string("UPDATE attempt SET worker_pid = NULL, worker_start_ticks = NULL, worker_boot_id = NULL"),
+        "UPDATE attempt SET ended_ms = " + now + ", outcome = 'restored' WHERE ended_ms IS NULL",
+        "INSERT INTO event(job_seq, at_ms, from_state, to_state, reason, message) SELECT seq, " + now +
+            ", state, " + next + ", " + why + " FROM job" + under_way,
+        "UPDATE job SET state = " + next + ", finished_ms = CASE WHEN state = 'cancel_requested' THEN " +
+            now + " END, (reason, message) = (" + why + "), version = version + 1, updated_ms = " + now +
+            ", best_fraction = max(best_fraction, fraction), stage = NULL, stage_fraction = 0, fraction = 0, "
+            "progress_message = '', attempts_without_progress = max(0, attempts_without_progress - 1)" +
+            under_way})
+    if (api::Status done = database.execute(script); !done) return done;
+  return transaction.commit();
+}
+

@@ -12,7 +12,8 @@
 
 namespace server {
 
-/// A copy of the database as it is at one moment, by SQLite's online backup, while others write to it. `to`
+/// A copy of the database as it is at one moment, by SQLite's online backup, while others write to it
+/// as much as they like. `to`
 /// must not exist; it is one file, without -wal and -shm, and durable. Errors: disk_full, internal.
 api::Status copy_database(const std::filesystem::path& from, const std::filesystem::path& to);
 
@@ -45,3 +46,17 @@ api::Result<std::vector<KeptJob>> kept_jobs(Database& database);
 api::Status forget_job(Database& database, const std::string& id);
 
 }  // namespace server
+/// Is there still such a job, and not about to go?
+api::Result<bool> is_kept(Database& database, const std::string& id);
+
+/// What was submitted with a job, as the database knows it: below its folder input/.
+struct KeptInput {
+  std::string job_id;
+  std::string name;
+  std::int64_t bytes = 0;
+};
+api::Result<std::vector<KeptInput>> kept_inputs(Database& database);
+
+/// Of a copy: what was under way begins anew, with the reason "restored". The workers belong to the original:
+/// a server that starts on the copy must not take them for its own and end them.
+api::Status end_attempts_of_copy(Database& database, std::int64_t now_ms);

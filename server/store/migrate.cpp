@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <string>
+#include <system_error>
+#include <vector>
 
 #include "api/fault_point.h"
+#include "server/store/maintenance.h"
 
 namespace server {
 namespace {
@@ -69,6 +72,35 @@ api::Status claim_file(Database& database, int version) {
   return database.execute("PRAGMA application_id=" + std::to_string(kApplicationId));
 }
 
+/// Other copies of this kind; all of those that are not whole.
+void remove_copies(const std::filesystem::path& file, const std::filesystem::path& but) {
+  const std::string begin = file.filename().string() + ".before-";
+  std::error_code error;
+  std::vector<std::filesystem::path> found;
+  for (std::filesystem::directory_iterator at(file.parent_path(), error), end; !error && at != end;
+       at.increment(error))
+    if (at->path().filename().string().starts_with(begin) && at->path() != but) found.push_back(at->path());
+  for (const auto& path : found) std::filesystem::remove(path, error);
+}
+
+api::Status keep_copy(const std::filesystem::path& file, const std::filesystem::path& kept) {
+  std::error_code error;
+  if (std::filesystem::exists(kept, error)) return api::Done{};
+  const std::filesystem::path part = kept.string() + ".part";
+  std::filesystem::remove(part, error);
+  api::Status copied = copy_database(file, part);
+  if (!copied)
+    copied =
+        api::Error{copied.error().fault, "the copy of the database before it is brought to a new schema: " +
+                                             copied.error().message};
+  if (copied) {
+    std::filesystem::rename(part, kept, error);
+    if (error) copied = api::Error{api::Fault::internal, kept.string() + ": " + error.message()};
+  }
+  if (!copied) std::filesystem::remove(part, error);
+  return copied;
+}
+
 }  // namespace
 
 api::Result<int> schema_version(Database& database) {
@@ -89,6 +121,20 @@ api::Status migrate(Database& database, std::span<const Migration> wanted) {
   const auto first = std::find_if(wanted.begin(), wanted.end(),
                                   [&](const Migration& migration) { return migration.number > *version; });
   return apply_all(database, {first, wanted.end()});
+}
+
+api::Status migrate_file(Database& database, const std::filesystem::path& file,
+                         std::span<const Migration> wanted) {
+  const auto version = schema_version(database);
+  if (!version) return version.error();
+  const int newest = wanted.empty() ? 0 : wanted.back().number;
+  // A new one has nothing to lose; one of a newer version is refused below.
+  if (*version == 0 || *version >= newest) return migrate(database, wanted);
+  const std::filesystem::path kept = file.string() + ".before-" + std::to_string(newest);
+  if (api::Status copied = keep_copy(file, kept); !copied) return copied;
+  if (api::Status migrated = migrate(database, wanted); !migrated) return migrated;
+  remove_copies(file, kept);
+  return api::Done{};
 }
 
 api::Status check_integrity(Database& database) {

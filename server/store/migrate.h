@@ -20,6 +20,12 @@ std::span<const Migration> migrations();
 /// schema newer than the last migration (a downgrade could destroy what it does not know).
 api::Status migrate(Database& database, std::span<const Migration> wanted = migrations());
 
+/// migrate() of the database in `file`, after a copy of it as it was is kept beside it: FILE.before-N, N
+/// being the number of the newest schema. One such copy is there at a time; a migration that was broken off
+/// goes on with the one it made. Errors: also disk_full, where there is no room for the copy.
+api::Status migrate_file(Database& database, const std::filesystem::path& file,
+                         std::span<const Migration> wanted = migrations());
+
 /// The schema's number, PRAGMA user_version.
 api::Result<int> schema_version(Database& database);
 

@@ -106,6 +106,7 @@ void Statement::note(int code) {
   if (code == SQLITE_OK) return;
   error_code_ = code;
   error_ = sqlite3_errmsg(database_);
+  note_damage(database_, code);
 }
 
 api::Error sqlite_error(int code, std::string_view words) {

@@ -5,6 +5,7 @@
 #include <list>
 #include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 
 namespace server {
@@ -23,6 +24,7 @@ using Kept = std::list<KeptStatement>;
 
 std::mutex mutex;
 std::map<sqlite3*, Kept> kept;
+std::set<sqlite3*> damaged;
 
 sqlite3_stmt* kept_statement(sqlite3* database, std::string_view sql) {
   const std::lock_guard lock(mutex);
@@ -64,10 +66,22 @@ void give_back_statement(sqlite3* database, sqlite3_stmt* statement) {
   sqlite3_finalize(oldest);
 }
 
+void note_damage(sqlite3* database, int code) {
+  if ((code & 0xff) != SQLITE_CORRUPT && (code & 0xff) != SQLITE_NOTADB) return;
+  const std::lock_guard lock(mutex);
+  damaged.insert(database);
+}
+
+bool is_damaged(sqlite3* database) {
+  const std::lock_guard lock(mutex);
+  return damaged.contains(database);
+}
+
 void forget_statements(sqlite3* database) {
   Kept own;
   {
     const std::lock_guard lock(mutex);
+    damaged.erase(database);
     if (const auto found = kept.find(database); found != kept.end()) {
       own = std::move(found->second);
       kept.erase(found);
