@@ -38,9 +38,9 @@ function buttons({ playhead, lifetime }: JobContext): Node[] {
   const loop = h("input", { type: "checkbox", onchange: () => (playhead.loop.value = loop.checked) });
   lifetime.add(playhead.loop.watch((on) => (loop.checked = on)));
   return [
-    h("button", { "aria-label": "One frame back", onclick: () => stepBy(playhead, -1) }, "−1"),
+    h("button", { "aria-label": "−1, one frame back", onclick: () => stepBy(playhead, -1) }, "−1"),
     play,
-    h("button", { "aria-label": "One frame on", onclick: () => stepBy(playhead, 1) }, "+1"),
+    h("button", { "aria-label": "+1, one frame on", onclick: () => stepBy(playhead, 1) }, "+1"),
     h("label", null, loop, " Loop"),
   ];
 }

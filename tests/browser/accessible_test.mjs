@@ -1,0 +1,57 @@
+// axe-core finds nothing serious on any page, in light and in dark.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { Watched, axeScript, launch } from "./support/browser.mjs";
+import { sights, someJobs } from "./support/sights.mjs";
+import { Service } from "./support/service.mjs";
+
+const kSerious = ["serious", "critical"];
+
+let service, browser, jobs;
+
+before(async () => {
+  service = await new Service().start();
+  browser = await launch();
+  jobs = await someJobs(service);
+});
+after(async () => {
+  await browser?.close();
+  await service?.end();
+});
+
+/** [ "rule: what (where)" ] */
+async function violations(page) {
+  await page.evaluate(readFileSync(axeScript, "utf8"));
+  const results = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
+  assert.ok(results.passes.length > 10, "rules were applied");
+  return results.violations.filter(({ impact }) => kSerious.includes(impact))
+    .flatMap(({ id, help, nodes }) => nodes.map(({ target, failureSummary }) => `${id}: ${help} (${target}) ${failureSummary}`));
+}
+
+for (const colorScheme of ["light", "dark"]) {
+  test(`every page is accessible in ${colorScheme}`, async (t) => {
+    for (const { name, path, prepare, expected } of sights(jobs)) {
+      await t.test(name, async () => {
+        const watched = await Watched.open(browser, service, path, { colorScheme, expected });
+        await prepare(watched.page);
+        assert.deepEqual(await violations(watched.page), []);
+        await watched.close();
+      });
+    }
+  });
+}
+
+test("what is wrong is found: a picture without words, text that cannot be read", async () => {
+  const watched = await Watched.open(browser, service, "/system");
+  await watched.page.locator(".cards .good").waitFor();
+  await watched.page.evaluate(() => {
+    const [picture, text] = [document.createElement("img"), document.createElement("p")];
+    text.textContent = "hardly there";
+    text.style.color = "#d0d0d0";
+    document.querySelector("main").append(picture, text);
+  });
+  const found = await violations(watched.page);
+  assert.ok(["image-alt", "color-contrast"].every((rule) => found.some((one) => one.startsWith(rule))), found.join("\n"));
+  await watched.close();
+});

@@ -1,0 +1,59 @@
+// Pictures of every page, to be looked at: in build/tests/browser, in light, dark and narrow; and those of the README
+// in the folder that KEYLUME_SCREENSHOTS names, where it does.
+import assert from "node:assert/strict";
+import { mkdirSync, statSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { join } from "node:path";
+import { Watched, launch } from "./support/browser.mjs";
+import { sights, someJobs } from "./support/sights.mjs";
+import { Service } from "./support/service.mjs";
+
+const { KEYLUME_BROWSER_PICTURES: folder, KEYLUME_SCREENSHOTS: readmeFolder } = process.env;
+const kVariants = {
+  light: { colorScheme: "light" },
+  dark: { colorScheme: "dark" },
+  narrow: { colorScheme: "light", viewport: { width: 390, height: 844 } },
+};
+const kReadme = { walk: "dashboard_walk", queue: "dashboard_queue", new_job: "dashboard_new_job" };
+const kBytesMin = 5_000; // of a page that is not empty
+
+let service, browser, jobs;
+
+before(async () => {
+  service = await new Service().start();
+  browser = await launch();
+  jobs = await someJobs(service, readmeFolder ? { preset: "standard" } : {});
+  for (const each of [folder, readmeFolder].filter(Boolean)) mkdirSync(each, { recursive: true });
+});
+after(async () => {
+  await browser?.close();
+  await service?.end();
+});
+
+for (const [variant, options] of Object.entries(kVariants)) {
+  test(`every page fits its window and is pictured: ${variant}`, async (t) => {
+    for (const { name, path, prepare, expected } of sights(jobs)) {
+      await t.test(name, async () => {
+        const watched = await Watched.open(browser, service, path, { ...options, expected });
+        const { page } = watched;
+        await prepare(page);
+        const wide = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+        assert.ok(wide[0] <= wide[1], `${wide[0]} pixels wide, the window has ${wide[1]}`);
+        const file = join(folder, `${name}-${variant}.png`);
+        await page.screenshot({ path: file, fullPage: name !== "keys" });
+        assert.ok(statSync(file).size > kBytesMin);
+        await watched.close();
+      });
+    }
+  });
+}
+
+test("the README's pictures", { skip: readmeFolder ? false : "KEYLUME_SCREENSHOTS names no folder" }, async () => {
+  for (const { name, path, prepare } of sights(jobs)) {
+    if (!kReadme[name]) continue;
+    const watched = await Watched.open(browser, service, path, { colorScheme: "light", viewport: { width: 1280, height: 960 } });
+    await prepare(watched.page);
+    await watched.page.screenshot({ path: join(readmeFolder, `${kReadme[name]}.png`) });
+    await watched.close();
+  }
+});
