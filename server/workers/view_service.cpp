@@ -14,6 +14,7 @@
 #include "server/jobs/collect_results.h"
 #include "server/log.h"
 #include "server/workers/run_child.h"
+#include "server/workers/view_hashes.h"
 
 namespace server {
 namespace {
@@ -157,7 +158,7 @@ api::Status ViewService::make_view(const std::string& job_id, const std::string&
   const auto outcome = run_child(task, stopping);
   api::Status status = outcome ? verdict_on(views, name, *outcome) : api::Status(outcome.error());
   if (status) {
-    const std::lock_guard lock(mutex_);
+    remove_quietly(hashes_of(*job, name));  // whoever has written it, it was not we
     const auto files = verified_files(*job, name);
     if (!files) status = api::Error{api::Fault::internal, files.error().message};
   }
@@ -171,12 +172,28 @@ api::Status ViewService::make_view(const std::string& job_id, const std::string&
   return status;
 }
 
-// With mutex_ held.
+// Without mutex_: reading large files takes long, and is done once, when the view is made; of a view of an
+// earlier version, when it is asked for first.
 api::Result<std::vector<ArtefactFile>> ViewService::verified_files(const Job& job, std::string_view name) {
   const std::string key = key_of(job.id, name);
-  if (const auto known = verified_.find(key); known != verified_.end()) return known->second;
-  auto files = collect_files(views_of(job) / name);
-  if (!files) return files;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto known = verified_.find(key); known != verified_.end()) return known->second;
+  }
+  api::Result<std::vector<ArtefactFile>> files = std::vector<ArtefactFile>();
+  if (auto known = read_view_hashes(hashes_of(job, name))) {
+    files = std::move(*known);
+  } else {
+    files = collect_files(views_of(job) / name);
+    if (!files) return files;
+    if (const api::Status kept = write_view_hashes(hashes_of(job, name), *files); !kept)
+      log_line(key + ": its hashes are not kept: " + kept.error().message);
+  }
+  const std::lock_guard lock(mutex_);
+  if (!std::filesystem::exists(views_of(job) / name)) {  // removed meanwhile
+    remove_quietly(hashes_of(job, name));
+    return api::Error{api::Fault::not_found, "the job has no such view"};
+  }
   if (verified_.size() >= kVerifiedMax) verified_.erase(verified_.begin());
   verified_.emplace(key, *files);
   return files;
@@ -196,7 +213,9 @@ api::Result<View> ViewService::ask(const Job& job, const api::ViewRequest& reque
   {
     const std::lock_guard lock(mutex_);
     if (const auto still = jobs_.job(job.id); !still) return still.error();
-    if (!std::filesystem::exists(views_of(job) / name)) {
+    const Maker::State state = maker_.look(key_of(job.id, name)).state;
+    const bool comes = state == Maker::State::waiting || state == Maker::State::making;
+    if (!comes && !std::filesystem::exists(views_of(job) / name)) {
       // How large it will be is not known; who is over the quota makes no more.
       if (auto room = jobs_.within_quota(job.owner, 1); !room) return room.error();
       if (auto promised = promise(job, name, request.canonical_json); !promised) return promised.error();
@@ -214,7 +233,7 @@ api::Result<View> ViewService::view(const Job& job, std::string_view name) {
   if (!is_view_name(name)) return unknown;
   View view;
   view.name = name;
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   const auto request = read_below(views_of(job), view.name + ".json", api::kViewBytesMax);
   if (request) view.request_json = *request;
   const Maker::Look look = maker_.look(key_of(job.id, name));
@@ -223,7 +242,9 @@ api::Result<View> ViewService::view(const Job& job, std::string_view name) {
   if (look.state == Maker::State::failed) view.state = MadeState::failed, view.error = look.error;
   if (view.state != MadeState::none) return view;
   if (!std::filesystem::exists(views_of(job) / name)) return unknown;
+  lock.unlock();
   auto files = verified_files(job, name);
+  if (!files && files.error().fault == api::Fault::not_found) return unknown;
   if (!files) return api::Error{api::Fault::internal, files.error().message};
   view.state = MadeState::ready;
   view.files = std::move(*files);
@@ -253,6 +274,7 @@ api::Status ViewService::remove(const Job& job, std::string_view name) {
   // The request last: after a crash in between the view is made again, and can be removed again.
   const std::filesystem::path folder = views_of(job) / name;
   if (auto removed = remove_tree(folder); !removed) return removed;
+  remove_quietly(hashes_of(job, name));
   api::Status removed = remove_tree(views_of(job) / (std::string(name) + ".json"));
   jobs_.record_bytes(job);
   return removed;

@@ -1,6 +1,7 @@
 // Views and videos of finished jobs: made once, by a child process, and kept with the job.
 //
 //   jobs/<id>/views/<name>.json          the request; durable before it is promised
+//   jobs/<id>/views/<name>.hashes        of what it has made of it; read again where it is not there
 //   jobs/<id>/views/<name>/              what `keylume view` has made of it, manifest.json among it
 //   jobs/<id>/videos/<camera>.mp4        and .sha256 beside it, which is written last
 #pragma once
@@ -92,6 +93,9 @@ class ViewService {
 
  private:
   std::filesystem::path views_of(const Job& job) const { return jobs_.folder_of(job) / "views"; }
+  std::filesystem::path hashes_of(const Job& job, std::string_view name) const {
+    return views_of(job) / (std::string(name) + ".hashes");
+  }
   api::Status promise(const Job& job, const std::string& name, const std::string& request_json);
   Maker::Work work_of(const std::string& job_id, const std::string& name);
   api::Status make_view(const std::string& job_id, const std::string& name,
