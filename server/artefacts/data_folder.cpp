@@ -18,6 +18,7 @@ namespace server {
 namespace {
 
 constexpr mode_t kPrivateFolder = 0700;
+constexpr const char* kBallast = "ballast";
 
 api::Status make_folder(const std::filesystem::path& folder) {
   if (::mkdir(folder.c_str(), kPrivateFolder) != 0 && errno != EEXIST)
@@ -74,9 +75,25 @@ api::Result<DataFolder> DataFolder::open(const std::filesystem::path& root) {
   auto lock = take_lock(folder.root_ / "LOCK");
   if (!lock) return lock.error();
   folder.lock_ = std::move(*lock);
+  folder.room_ = std::make_shared<DiskRoom>([uploads = folder.uploads()] { return free_bytes(uploads); },
+                                            kRoomBytesMin);
   for (const auto& path : {folder.root_, folder.root_.parent_path()})
     if (const api::Status synced = sync_folder(path); !synced) return synced.error();
   return folder;
+}
+
+void DataFolder::lay_ballast() const {
+  const std::filesystem::path file = root_ / kBallast;
+  struct stat about {};
+  if (::stat(file.c_str(), &about) == 0 && about.st_size == kBallastBytes) return;
+  const auto free = free_bytes(root_);
+  if (!free || *free < 2 * kRoomBytesMin + kBallastBytes) return;
+  const FileHandle made(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (made && ::posix_fallocate(made.get(), 0, kBallastBytes) != 0) ::unlink(file.c_str());
+}
+
+bool DataFolder::drop_ballast() const {
+  return ::unlink((root_ / kBallast).c_str()) == 0;
 }
 
 api::Status DataFolder::remove_leftovers(std::span<const std::string> ids_with_row) const {

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "api/result.h"
@@ -15,16 +18,38 @@ namespace server {
 struct ClaimedFile {
   std::string path;
   std::int64_t bytes = 0;
-  std::string sha256;  ///< lower-case hexadecimal
+  std::string sha256;                  ///< lower-case hexadecimal
+  std::string_view kind = "artefact";  ///< for messages
 };
 
 inline const std::atomic<bool> kNeverStops = false;
+
+/// SHA-256 of what comes in pieces.
+class Sha256 {
+ public:
+  Sha256();
+  ~Sha256();
+  Sha256(const Sha256&) = delete;
+  Sha256& operator=(const Sha256&) = delete;
+
+  /// Anew, whatever came before.
+  void begin();
+  void take(std::string_view bytes);
+  /// Lower-case hexadecimal; empty where the library has no SHA-256.
+  std::string end();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// SHA-256 of the file from its start, lower-case hexadecimal; read in pieces, never held whole.
 /// Fault::stopped soon after `stopping` turns true.
 api::Result<std::string> sha256_of(const FileHandle& file, const std::atomic<bool>& stopping = kNeverStops);
 std::string sha256_of(std::string_view bytes);
 
+/// Its size alone.
+api::Status verify_size(const std::filesystem::path& folder, const ClaimedFile& file);
 /// One of them, as verify_files says. Errors: also stopped.
 api::Status verify_file(const std::filesystem::path& folder, const ClaimedFile& file,
                         const std::atomic<bool>& stopping = kNeverStops);

@@ -41,9 +41,8 @@ std::optional<HttpAnswer> refuse_blob_early(const HttpRequest& request, JobServi
   const std::int64_t bytes = whole_number(request.header("Content-Length").value_or("")).value_or(0);
   if (bytes > limits.total_bytes)
     return problem(413, "a blob is at most " + std::to_string(limits.total_bytes) + " bytes", request.path);
-  const auto free = free_bytes(folder.uploads());
-  if (free && *free < bytes + kRoomBytesMin)
-    return problem({api::Fault::disk_full, "no room for a blob"}, request.path);
+  if (const api::Status room = RoomClaim(folder.room()).reserve(bytes); !room)
+    return problem(room.error(), request.path);
   if (const api::Status room = jobs.within_quota(request.owner, bytes); !room)
     return problem(room.error(), request.path);
   return std::nullopt;
@@ -75,11 +74,15 @@ HttpAnswer put_blob(JobService& jobs, const DataFolder& folder, const UploadLimi
   const TemporaryFile temporary(folder);
   if (!temporary.file()) return problem(file_error("keep a blob", errno), request.path);
   std::int64_t bytes = 0;
-  api::Status written = api::Done{};
+  RoomClaim room(folder.room());
+  api::Status written = room.reserve(whole_number(request.header("Content-Length").value_or("")).value_or(0));
+  if (!written) return problem(written.error(), request.path);
   const bool whole = read_body([&](std::string_view piece) {
     bytes += static_cast<std::int64_t>(piece.size());
     if (bytes > limits.total_bytes) return false;
-    written = write_all(temporary.file(), piece);
+    written = room.make_sure_of(static_cast<std::int64_t>(piece.size()));
+    if (written) written = write_all(temporary.file(), piece);
+    if (written) room.wrote(static_cast<std::int64_t>(piece.size()));
     return static_cast<bool>(written);
   });
   if (bytes > limits.total_bytes)

@@ -21,6 +21,22 @@ api::Error unknown_blob(std::size_t index, const api::JobFile& file) {
           {{"body", "/files/" + std::to_string(index) + "/sha256", 0, 0, "unknown_blob", detail}}};
 }
 
+/// Room for all of it at once: a job may name one large blob many times.
+std::optional<HttpAnswer> reserve_room(const HttpRequest& request, JobService& jobs,
+                                       const std::vector<api::JobFile>& files, UploadReceiver& receiver) {
+  std::int64_t bytes = 0;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto blob = jobs.open_blob(request.owner, files[i].sha256);
+    if (!blob && blob.error().fault != api::Fault::not_found) return problem(blob.error(), request.path);
+    if (!blob) return problem(unknown_blob(i, files[i]), request.path);
+    const auto size = size_of(*blob);
+    if (!size) return problem(size.error(), request.path);
+    bytes += *size;
+  }
+  (void)receiver.reserve(bytes);
+  return std::nullopt;
+}
+
 /// False: the receiver has had enough, or the file cannot be read.
 bool hand_over(const FileHandle& file, UploadReceiver& receiver, int& read_error) {
   std::array<char, kPieceBytes> piece;
@@ -57,6 +73,7 @@ std::optional<HttpAnswer> receive_named_files(const HttpRequest& request, const 
   if (!job->options.empty() &&
       (!receiver.begin_part("options", "options.json") || !receiver.take(job->options)))
     return std::nullopt;
+  if (auto refused = reserve_room(request, jobs, job->files, receiver)) return refused;
   for (std::size_t i = 0; i < job->files.size(); ++i) {
     const api::JobFile& file = job->files[i];
     const auto blob = jobs.open_blob(request.owner, file.sha256);
@@ -67,6 +84,13 @@ std::optional<HttpAnswer> receive_named_files(const HttpRequest& request, const 
                        hand_over(*blob, receiver, read_error);
     if (read_error != 0) return problem(file_error("read a blob", read_error), request.path);
     if (!taken) return std::nullopt;
+    const auto sha256 = receiver.end_part();
+    if (!sha256) return std::nullopt;
+    if (*sha256 != file.sha256) {  // the disk forgets: whoever sends it again has it whole again
+      if (const api::Status dropped = jobs.drop_blob(file.sha256); !dropped)
+        return problem(dropped.error(), request.path);
+      return problem(unknown_blob(i, file), request.path);
+    }
   }
   return std::nullopt;
 }

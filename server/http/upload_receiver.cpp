@@ -46,7 +46,11 @@ std::optional<std::string> safe_base_name(std::string_view file_name) {
 }
 
 UploadReceiver::UploadReceiver(const DataFolder& folder, std::string id, UploadLimits limits)
-    : folder_(folder), id_(std::move(id)), limits_(limits), input_folder_(folder.upload(id_) / "input") {
+    : folder_(folder),
+      id_(std::move(id)),
+      limits_(limits),
+      input_folder_(folder.upload(id_) / "input"),
+      room_(folder.room()) {
   for (const auto& path : {input_folder_.parent_path(), input_folder_})
     if (!refusal_ && ::mkdir(path.c_str(), 0700) != 0)
       refuse({0, file_error("make folder " + path.string(), errno)});
@@ -54,6 +58,11 @@ UploadReceiver::UploadReceiver(const DataFolder& folder, std::string id, UploadL
 
 UploadReceiver::~UploadReceiver() {
   if (!finished_) (void)remove_tree(folder_.upload(id_));
+}
+
+bool UploadReceiver::reserve(std::int64_t bytes) {
+  if (const api::Status room = room_.reserve(bytes); !room) return refuse({0, room.error()});
+  return true;
 }
 
 bool UploadReceiver::refuse(Refusal refusal) {
@@ -80,7 +89,7 @@ std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::
                     "'; known are scene, materials, textures, animation, options, archive");
     return std::nullopt;
   }
-  if (!known->stored_as.empty()) return InputFile{std::string(known->stored_as), known->role, 0};
+  if (!known->stored_as.empty()) return InputFile{std::string(known->stored_as), known->role};
   auto name = safe_base_name(file_name);
   const bool reserved =
       name && std::any_of(kReservedNames.begin(), kReservedNames.end(),
@@ -92,7 +101,7 @@ std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::
                     std::string(field) + "=@FILE");
     return std::nullopt;
   }
-  return InputFile{std::move(*name), known->role, 0};
+  return InputFile{std::move(*name), known->role};
 }
 
 bool UploadReceiver::has_room_for(const InputFile& input) {
@@ -137,6 +146,7 @@ bool UploadReceiver::begin_input(std::string_view field, std::string_view file_n
 bool UploadReceiver::open_file(const std::filesystem::path& path) {
   file_ = FileHandle(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!file_) return refuse({0, file_error(path.string(), errno)});
+  digest_.begin();
   return true;
 }
 
@@ -172,14 +182,26 @@ bool UploadReceiver::take(std::string_view bytes) {
 }
 
 bool UploadReceiver::write(std::string_view bytes) {
+  const auto count = static_cast<std::int64_t>(bytes.size());
+  if (const api::Status room = room_.make_sure_of(count); !room) return refuse({0, room.error()});
   if (const api::Status written = write_all(file_, bytes); !written) return refuse({0, written.error()});
+  room_.wrote(count);
+  digest_.take(bytes);
   return true;
+}
+
+std::optional<std::string> UploadReceiver::end_part() {
+  const bool is_file = static_cast<bool>(file_);
+  if (refusal_ || !close_file()) return std::nullopt;
+  return is_file ? last_sha256_ : std::string();
 }
 
 // Made durable together with the others, when the upload becomes a job: JobService::submit.
 bool UploadReceiver::close_file() {
   if (!file_) return true;
   if (::close(file_.release()) != 0) return refuse({0, file_error("keep an upload", errno)});
+  last_sha256_ = digest_.end();
+  if (!in_archive_) inputs_.back().sha256 = last_sha256_;
   return true;
 }
 
@@ -194,6 +216,7 @@ api::Result<Upload> UploadReceiver::finish() {
   }
   if (refusal_) return refusal_->error;
   finished_ = true;
+  room_.release();
   return Upload{id_, inputs_, options_};
 }
 

@@ -11,6 +11,7 @@
 #include "api/result.h"
 #include "server/archives/archive.h"
 #include "server/artefacts/data_folder.h"
+#include "server/artefacts/verify.h"
 #include "server/http/message.h"
 #include "server/jobs/job_service.h"
 
@@ -33,10 +34,14 @@ class UploadReceiver {
   UploadReceiver(const UploadReceiver&) = delete;
   UploadReceiver& operator=(const UploadReceiver&) = delete;
 
+  /// So many bytes are to come, as far as is known. False: there is no room for them.
+  bool reserve(std::int64_t bytes);
   /// The next part begins. False: refused, read no further.
   bool begin_part(std::string_view field, std::string_view file_name);
   /// Bytes of the part at hand. False: refused, read no further.
   bool take(std::string_view bytes);
+  /// The part at hand is over. -> SHA-256 of what it held, empty for options; none: refused
+  std::optional<std::string> end_part();
   /// All parts are here and durable. From now on the files belong to whoever has the Upload.
   api::Result<Upload> finish();
 
@@ -69,7 +74,10 @@ class UploadReceiver {
   std::string id_;
   UploadLimits limits_;
   std::filesystem::path input_folder_;
+  RoomClaim room_;
   FileHandle file_;
+  Sha256 digest_;  ///< of what is in that file so far
+  std::string last_sha256_;
   std::vector<InputFile> inputs_;  ///< the last one is being received
   std::string options_;            ///< of the part `options`, which is no file
   bool has_options_ = false;

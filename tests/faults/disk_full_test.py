@@ -70,6 +70,23 @@ class DiskFull(SmallDiskTestCase):
     def folders_of(self, service):
         return [path.name for part in ("jobs", "tmp") for path in (service.data / part).iterdir()]
 
+    def test_on_a_full_disk_a_job_can_be_removed(self):
+        service = self.service("small/data")
+        jobs = [self.submitted(service, self.input) for _ in range(3)]
+        for job_id in jobs:
+            service.wait_for(job_id, ["succeeded"], 120)
+        ballast = service.data / "ballast"
+        self.assertEqual(ballast.stat().st_blocks * 512, 16 << 20)
+        filler = self.fill()
+        for job_id in jobs:
+            answer = service.get(f"/v1/jobs/{job_id}", "-X", "DELETE")
+            self.assertEqual(answer.status, 204, answer.body)
+            self.assertFalse(service.job_folder(job_id).exists())
+        filler.unlink()
+        self.assertEqual(service.stop(), 0)
+        service.start()
+        self.assertTrue(ballast.exists(), "for the next time")
+
     def test_an_upload_without_room_is_507_and_leaves_nothing(self):
         service = self.service("small/data")
         filler = self.fill()
@@ -95,6 +112,51 @@ class DiskFull(SmallDiskTestCase):
         self.assertEqual(service.get("/healthz").status, 200)
         filler.unlink()
         self.expect_whole(service, self.submitted(service, self.input))
+
+    def least_free(self, commands):
+        """Runs them all at once. -> (what curl printed, the least that was free meanwhile)"""
+        running = [subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+                   for command in commands]
+        least = 1 << 60
+        while any(process.poll() is None for process in running):
+            about = os.statvfs(self.mount)
+            least = min(least, about.f_bavail * about.f_frsize)
+            time.sleep(0.005)
+        return [process.communicate()[0] for process in running], least
+
+    def test_uploads_that_come_at_once_leave_the_room_that_is_kept_free(self):
+        service = self.service("small/data")
+        texture = self.folder / "big.png"
+        with texture.open("wb") as file:
+            file.truncate(60 << 20)
+        command = ["curl", "-sS", "--max-time", "60", "-o", os.devnull, "-w", "%{http_code}", "-H",
+                   "Transfer-Encoding: chunked", "-F", f"scene=@{self.input / 'scene.obj'}", "-F",
+                   f"animation=@{self.input / 'animation.json'}", "-F", f"textures=@{texture}",
+                   service.url + "/v1/validate"]
+        statuses, least = self.least_free([command] * 4)
+        self.assertIn("507", statuses)
+        self.assertGreaterEqual(least, 64 << 20)
+        self.assertEqual(self.folders_of(service), [])
+        self.assertEqual(service.get("/readyz").status, 200)
+
+    def test_a_blob_that_is_named_often_needs_room_each_time(self):
+        service = self.service("small/data")
+        files = []
+        for field, path in (("scene", self.input / "scene.obj"), ("animation", self.input / "animation.json")):
+            sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+            service.get(f"/v1/blobs/sha256/{sha256}", "-T", str(path))
+            files.append({"field": field, "name": path.name, "sha256": sha256})
+        big = self.folder / "big"
+        big.write_bytes(os.urandom(1 << 20) * 40)
+        sha256 = hashlib.sha256(big.read_bytes()).hexdigest()
+        self.assertEqual(service.get(f"/v1/blobs/sha256/{sha256}", "-T", str(big)).status, 201)
+        files += [{"field": "textures", "name": f"{i}.png", "sha256": sha256} for i in range(5)]
+        answers, least = self.least_free([[
+            "curl", "-sS", "--max-time", "60", "-o", os.devnull, "-w", "%{http_code}", "-H",
+            "Content-Type: application/json", "--data-binary", json.dumps({"files": files}), service.url + "/v1/jobs"]])
+        self.assertEqual(answers, ["507"])
+        self.assertGreaterEqual(least, 64 << 20)
+        self.assertEqual(self.folders_of(service), [])
 
     def test_a_blob_without_room_is_507_and_leaves_nothing(self):
         service = self.service("small/data")

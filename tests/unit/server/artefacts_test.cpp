@@ -193,5 +193,49 @@ TEST(Verify, StopsReadingWhenToldTo) {
   EXPECT_EQ(read.error().fault, api::Fault::stopped);
 }
 
+TEST(DiskRoom, IsPromisedOnceAndNeverDownToTheLastByte) {
+  std::int64_t free = 100 << 20;
+  const auto room = std::make_shared<DiskRoom>([&] { return api::Result<std::int64_t>(free); }, 64 << 20);
+  RoomClaim first(room), second(room);
+  EXPECT_TRUE(first.reserve(20 << 20));
+  EXPECT_EQ(second.reserve(20 << 20).error().fault, api::Fault::disk_full) << "promised to the first";
+  first.wrote(20 << 20);
+  free -= 20 << 20;
+  EXPECT_TRUE(second.reserve(16 << 20));
+  EXPECT_FALSE(first.make_sure_of(1)) << "more than it had reserved";
+  second.release();
+  EXPECT_TRUE(first.make_sure_of(1));
+}
+
+TEST(DiskRoom, UploadsOfUnknownSizeStopWhereTheRoomEnds) {
+  std::int64_t free = 70 << 20;
+  const auto room = std::make_shared<DiskRoom>([&] { return api::Result<std::int64_t>(free); }, 64 << 20);
+  RoomClaim claims[2]{RoomClaim(room), RoomClaim(room)};
+  constexpr std::int64_t kPiece = 1000;
+  std::int64_t written = 0;
+  for (bool any = true; any;) {
+    any = false;
+    for (RoomClaim& claim : claims) {
+      if (!claim.make_sure_of(kPiece)) continue;
+      written += kPiece;
+      free -= kPiece;
+      claim.wrote(kPiece);
+      any = true;
+    }
+  }
+  EXPECT_GE(free, std::int64_t{64 << 20});
+  EXPECT_LT(free, std::int64_t{65 << 20});
+  EXPECT_GT(written, 5 << 20);
+}
+
+TEST(Sha256, OfPiecesIsThatOfTheWhole) {
+  Sha256 digest;
+  for (int round = 0; round < 2; ++round) {
+    digest.begin();
+    for (const char* piece : {"one ", "", "two"}) digest.take(piece);
+    EXPECT_EQ(digest.end(), sha256_of("one two"));
+  }
+}
+
 }  // namespace
 }  // namespace server

@@ -211,6 +211,8 @@ TEST_F(UploadTest, TakesTheFourKindsOfPartsUnderTheirNames) {
   EXPECT_EQ(read_text(input / "animation.json"), "{}");
   ASSERT_EQ(upload->inputs.size(), 4u);
   EXPECT_EQ(upload->inputs[0].bytes, 8);
+  for (const InputFile& file : upload->inputs)
+    EXPECT_EQ(file.sha256, sha256_of(read_text(input / file.name))) << file.name;
 }
 
 TEST_F(UploadTest, RefusesWrongPartsAndLeavesNothing) {
