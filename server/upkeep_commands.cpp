@@ -1,18 +1,32 @@
 // keylume-server backup|restore|check|gc|migrate
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
+#include <iterator>
+#include <set>
+#include <utility>
 
+#include "api/fault_point.h"
 #include "server/artefacts/blobs.h"
 #include "server/artefacts/data_folder.h"
 #include "server/artefacts/verify.h"
 #include "server/backup_folder.h"
 #include "server/commands.h"
+#include "server/jobs/collect_results.h"
 #include "server/jobs/job_service.h"
 #include "server/store/maintenance.h"
 #include "server/store/migrate.h"
 
 namespace server {
 namespace {
+
+namespace fs = std::filesystem;
+
+/// Removed while it was looked at, it is nothing to complain of.
+bool still_there(Database& database, const std::string& job_id) {
+  const auto kept = is_kept(database, job_id);
+  return !kept || *kept;
+}
 
 int exit_code_of(const api::Error& error) {
   return error.fault == api::Fault::wrong_state ? kExitInUse : kExitFailed;
@@ -26,17 +40,67 @@ api::Error one_path_needed(std::string_view command, std::string_view what) {
 int say(const api::Result<BackupReport>& report, std::string_view what) {
   if (!report) return refuse_command(report.error(), exit_code_of(report.error()));
   std::cout << what << ": " << report->files << " files, " << report->bytes << " bytes\n";
-  return 0;
+  for (const auto& [job, why] : report->left_out)
+    std::cerr << "keylume-server: left out " << job << ": " << why << "\n";
+  return report->left_out.empty() ? 0 : kExitFailed;
 }
 
+using Sentences = std::vector<std::string>;
+
 /// What is wrong with the files, a sentence each.
-std::vector<std::string> wrong_files(const std::filesystem::path& data, const std::vector<KeptFile>& files) {
-  std::vector<std::string> wrong;
+Sentences wrong_files(const fs::path& data, Database& database, const std::vector<KeptFile>& files) {
+  Sentences wrong;
   for (const KeptFile& file : files) {
     // Each for itself: a backup beside the data folder has given them second names.
     const api::Status same =
-        verify_file(data / "jobs" / file.job_id / "artefacts", {file.path, file.bytes, file.sha256});
-    if (!same) wrong.push_back(file.job_id + ": " + same.error().message);
+        verify_file(data / "jobs" / file.job_id / file.folder(), {file.path, file.bytes, file.sha256});
+    if (!same && still_there(database, file.job_id))
+      wrong.push_back(file.job_id + ": " + same.error().message);
+  }
+  return wrong;
+}
+
+/// Of what was submitted to earlier versions the size alone is kept.
+Sentences wrong_inputs(const fs::path& data, Database& database, const std::vector<KeptInput>& inputs,
+                       const std::vector<KeptFile>& with_hash) {
+  Sentences wrong;
+  std::set<std::pair<std::string_view, std::string_view>> looked_at;
+  for (const KeptFile& file : with_hash)
+    if (file.is_input) looked_at.emplace(file.job_id, file.path);
+  for (const KeptInput& input : inputs) {
+    if (looked_at.contains({input.job_id, input.name})) continue;
+    const auto file = open_below(data / "jobs" / input.job_id / "input", input.name);
+    const auto bytes = file ? size_of(*file) : api::Result<std::int64_t>(file.error());
+    if (bytes && *bytes == input.bytes) continue;
+    if (still_there(database, input.job_id))
+      wrong.push_back(input.job_id + ": input/" + input.name +
+                      (bytes ? " is not as long as it was" : " is missing"));
+  }
+  return wrong;
+}
+
+/// A view says itself what is in it, a video has its sum beside it.
+Sentences wrong_made_later(const fs::path& job, std::size_t& checked) {
+  Sentences wrong;
+  std::error_code error;
+  for (fs::directory_iterator at(job / "views", error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if (name.starts_with(".tmp.") || !at->is_directory(error)) continue;
+    ++checked;
+    const auto files = collect_files(at->path());
+    if (!files && fs::exists(at->path(), error))
+      wrong.push_back("views/" + name + ": " + files.error().message);
+  }
+  error.clear();
+  for (fs::directory_iterator at(job / "videos", error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string(), sum = name + ".sha256";
+    const auto expected = read_below(job / "videos", sum, 64);
+    if (!expected) continue;
+    ++checked;
+    const auto file = open_below(job / "videos", name);
+    const auto found = file ? sha256_of(*file) : api::Result<std::string>(file.error());
+    if ((!found || *found != *expected) && fs::exists(at->path(), error))
+      wrong.push_back("videos/" + name + " is not as it was made");
   }
   return wrong;
 }
@@ -50,6 +114,33 @@ std::vector<std::string> wrong_blobs(const std::filesystem::path& data,
     if (!checked && checked.error().fault != api::Fault::not_found)
       wrong.push_back("blob " + sha256 + ": " + checked.error().message);
   }
+  return wrong;
+}
+
+/// All files that the database knows of.
+api::Result<Sentences> wrong_below(const fs::path& data, Database& database, std::size_t& checked) {
+  const auto files = kept_files(database);
+  if (!files) return files.error();
+  const auto inputs = kept_inputs(database);
+  if (!inputs) return inputs.error();
+  const auto jobs = kept_jobs(database);
+  if (!jobs) return jobs.error();
+  const auto blobs = kept_blobs(database);
+  if (!blobs) return blobs.error();
+  checked = inputs->size() + blobs->size();
+  for (const KeptFile& file : *files) checked += file.is_input ? 0 : 1;
+  api::fault_point("check_listed");
+  Sentences wrong = wrong_files(data, database, *files);
+  const auto add = [&wrong](Sentences more) {
+    wrong.insert(wrong.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  };
+  add(wrong_inputs(data, database, *inputs, *files));
+  for (const KeptJob& job : *jobs) {
+    const Sentences made = wrong_made_later(data / "jobs" / job.id, checked);
+    for (const std::string& sentence : made)
+      if (still_there(database, job.id)) wrong.push_back(job.id + ": " + sentence);
+  }
+  add(wrong_blobs(data, *blobs));
   return wrong;
 }
 
@@ -81,14 +172,9 @@ int run_check_command(std::span<const std::string_view> given) {
   std::size_t checked = 0;
   // A damaged database says nothing about files that can be relied on.
   if (wrong->empty()) {
-    const auto files = kept_files(*database);
-    if (!files) return refuse_command(files.error(), kExitFailed);
-    checked = files->size();
-    *wrong = wrong_files(data, *files);
-    const auto blobs = kept_blobs(*database);
-    if (!blobs) return refuse_command(blobs.error(), kExitFailed);
-    checked += blobs->size();
-    for (std::string& sentence : wrong_blobs(data, *blobs)) wrong->push_back(std::move(sentence));
+    auto found = wrong_below(data, *database, checked);
+    if (!found) return refuse_command(found.error(), kExitFailed);
+    *wrong = std::move(*found);
   }
   for (const std::string& sentence : *wrong) std::cout << sentence << "\n";
   std::cout << (wrong->empty() ? "whole" : "damaged") << ": database and " << checked << " files looked at\n";

@@ -46,6 +46,10 @@ api::Result<std::vector<HashedFile>> hashed_inputs(JobService& jobs, const Job& 
   if (!inputs) return inputs.error();
   std::vector<HashedFile> files;
   for (const InputFile& input : *inputs) {
+    if (!input.sha256.empty()) {
+      files.push_back({input.name, input.bytes, input.sha256});
+      continue;
+    }
     const auto file = open_below(jobs.folder_of(job) / "input", input.name);
     if (!file) return api::Error{api::Fault::internal, file.error().message};
     const auto hash = sha256_of(*file);
@@ -82,8 +86,6 @@ void add_sums(std::string& sums, std::string_view folder, const std::vector<Hash
     sums.append(file.sha256).append("  ").append(folder).append("/").append(file.path).append("\n");
 }
 
-}  // namespace
-
 api::Result<Reproduction> reproduction_of(JobService& jobs, const Job& job) {
   if (const api::Status here = must_have_results(job); !here) return here.error();
   const auto artefacts = jobs.artefacts(job);
@@ -101,6 +103,32 @@ api::Result<Reproduction> reproduction_of(JobService& jobs, const Job& job) {
   add_sums(reproduction.sums, "input", reproduction.inputs);
   add_sums(reproduction.sums, "artefacts", reproduction.artefacts);
   return reproduction;
+}
+
+std::size_t size_of(const Reproduction& reproduction) {
+  constexpr std::size_t kPerFile = 256;
+  return reproduction.json.size() + reproduction.sums.size() +
+         kPerFile * (reproduction.inputs.size() + reproduction.artefacts.size());
+}
+
+}  // namespace
+
+api::Result<std::shared_ptr<const Reproduction>> Reproductions::of(JobService& jobs, const Job& job) {
+  const std::pair key{job.seq, job.settings.name};  // the rest of a job that has succeeded never changes
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto known = known_.find(key); known != known_.end()) return known->second;
+  }
+  auto made = reproduction_of(jobs, job);
+  if (!made) return made.error();
+  const auto shared = std::make_shared<const Reproduction>(std::move(*made));
+  const std::lock_guard lock(mutex_);
+  while (!known_.empty() && (known_.size() >= kMax || bytes_ + size_of(*shared) > kBytesMax)) {
+    bytes_ -= size_of(*known_.begin()->second);
+    known_.erase(known_.begin());
+  }
+  if (size_of(*shared) <= kBytesMax && known_.emplace(key, shared).second) bytes_ += size_of(*shared);
+  return shared;
 }
 
 }  // namespace server

@@ -2,7 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/jobs/job_service.h"
@@ -25,7 +29,19 @@ struct Reproduction {
   std::string sums;
 };
 
-/// Reads the inputs once, for their hashes. Errors: not_found where the job has not succeeded; internal.
-api::Result<Reproduction> reproduction_of(JobService& jobs, const Job& job);
+/// Those that were asked for are kept, some of them. Safe for use by several threads.
+class Reproductions {
+ public:
+  /// Errors: not_found where the job has not succeeded; internal. Of a job of before inputs had hashes it
+  /// reads them, for their hashes as they are now.
+  api::Result<std::shared_ptr<const Reproduction>> of(JobService& jobs, const Job& job);
+
+ private:
+  static constexpr std::size_t kMax = 64, kBytesMax = 16u << 20;
+
+  std::mutex mutex_;
+  std::map<std::pair<std::int64_t, std::string>, std::shared_ptr<const Reproduction>> known_;
+  std::size_t bytes_ = 0;
+};
 
 }  // namespace server

@@ -100,10 +100,12 @@ TarEntry text_entry(std::string path, std::string text) {
 }
 
 /// GET .../results.tar, operationId getResultsTar.
-HttpAnswer results_tar(JobService& jobs, const Job& job, const HttpRequest& request, const PathValues&) {
+HttpAnswer results_tar(JobService& jobs, Reproductions& reproductions, const Job& job,
+                       const HttpRequest& request) {
   if (const api::Status whole = jobs.must_be_whole(job); !whole) return problem(whole.error(), request.path);
-  const auto reproduction = reproduction_of(jobs, job);
-  if (!reproduction) return problem(reproduction.error(), request.path);
+  const auto found = reproductions.of(jobs, job);
+  if (!found) return problem(found.error(), request.path);
+  const std::shared_ptr<const Reproduction>& reproduction = *found;
   const std::string& top = job.id;
   const std::filesystem::path folder = jobs.folder_of(job);
   std::vector<TarEntry> entries{text_entry(top + "/SHA256SUMS", reproduction->sums),
@@ -126,7 +128,11 @@ HttpAnswer results_tar(JobService& jobs, const Job& job, const HttpRequest& requ
 void add_bundle_routes(Router& router, JobService& jobs) {
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/radiosity.npz", radiosity_npz);
   add_job_route(router, jobs, "GET", "/v1/jobs/{id}/frames/{f}/patches.glb", frame_glb);
-  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/results.tar", results_tar);
+  add_job_route(router, jobs, "GET", "/v1/jobs/{id}/results.tar",
+                [known = std::make_shared<Reproductions>()](JobService& service, const Job& job,
+                                                            const HttpRequest& request, const PathValues&) {
+                  return results_tar(service, *known, job, request);
+                });
 }
 
 }  // namespace server

@@ -16,6 +16,7 @@ enum class OutcomeKind {
   paused,          ///< we stopped it because the job is to pause
   server_stopped,  ///< we stopped it because the server ends; not the job's fault
   not_started,     ///< there was no worker; not the job's fault
+  damaged,         ///< an input is no longer what came in: no other attempt
   lost,            ///< crashed, killed, or stuck: counts as an attempt
 };
 

@@ -138,6 +138,7 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
       return wait_for_room_or_fail(job, lease, outcome);
     // What the worker said last explains nothing where it was us who stopped it.
     case OutcomeKind::time_over:
+    case OutcomeKind::damaged:
       return store_.fail(lease, {outcome.reason, outcome.message}, outcome.end,
                          api::job_report_json(read_report(folder_.job(job.id))));
     case OutcomeKind::server_stopped:

@@ -95,12 +95,14 @@ api::Status IntegrityCheck::check_database() {
 
 api::Status IntegrityCheck::look_at(const KeptFile& file) {
   const api::Status same =
-      verify_file(folder_.job(file.job_id) / "artefacts", {file.path, file.bytes, file.sha256}, stopping_);
+      verify_file(folder_.job(file.job_id) / file.folder(),
+                  {file.path, file.bytes, file.sha256, file.is_input ? "input" : "artefact"}, stopping_);
   if (!same && same.error().fault == api::Fault::stopped) return same;
   // Removed while it was read?
   if (!same && !store_.job(file.job_id)) return api::Done{};
   if (!same) log_line("integrity check: " + file.job_id + ": " + same.error().message);
-  if (api::Status kept = store_.record_look({file.job_seq, file.path, same ? "" : same.error().message});
+  if (api::Status kept =
+          store_.record_look({file.job_seq, file.is_input, file.path, same ? "" : same.error().message});
       !kept)
     return kept;
   const std::lock_guard lock(mutex_);
@@ -113,10 +115,15 @@ api::Status IntegrityCheck::look_at(const KeptFile& file) {
 api::Status IntegrityCheck::check_share(Database& database, IntegrityState& state) {
   const auto enough = SteadyClock::now() + rules_.time_max;
   for (;;) {
-    const auto files = kept_files_after(database, state.after_seq, state.after_path, kFilesAtOnce);
+    const auto files =
+        kept_files_after(database, state.at_inputs, state.after_seq, state.after_path, kFilesAtOnce);
     if (!files) return files.error();
+    if (files->empty() && !state.at_inputs) {
+      state = {state.ended_ms, state.round_ms, true, 0, ""};
+      continue;
+    }
     if (files->empty()) {
-      state = {clock_(), clock_(), 0, ""};
+      state = {clock_(), clock_(), false, 0, ""};
       return api::Done{};
     }
     for (const KeptFile& file : *files) {

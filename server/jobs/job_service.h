@@ -133,6 +133,9 @@ class JobService {
   /// internal.
   api::Status keep_blob(std::string_view owner, const std::filesystem::path& from, std::string_view sha256);
 
+  /// Its bytes are no longer what its name says: nobody has it any more.
+  api::Status drop_blob(std::string_view sha256);
+
   // What clients see and wish: job_actions.cpp.
   api::Result<Job> job(std::string_view id) { return store_.job(id); }
   /// Errors: not_found, word for word as for a job that does not exist, where `viewer` may not see it.
@@ -187,6 +190,10 @@ class JobService {
     return store_.artefacts(job.seq, glob);
   }
   api::Result<std::vector<InputFile>> inputs(const Job& job) { return store_.inputs(job.seq); }
+  /// Are the inputs what came in? All by their sizes, by their hashes those that 256 MB have room for, the
+  /// smallest first, which takes less than a second: the rest is left to the integrity check. Errors:
+  /// invalid_request naming a file that has changed; internal: input_check.cpp.
+  api::Status must_have_whole_inputs(const Job& job);
   /// One record per frame of a job that has succeeded. Errors: not_found where it was removed meanwhile.
   api::Result<std::vector<api::FrameRecord>> frames(const Job& job);
   std::filesystem::path folder_of(const Job& job) const { return folder_.job(job.id); }

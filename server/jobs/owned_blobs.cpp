@@ -1,6 +1,7 @@
 // The part of JobService that keeps files for the jobs to come. What two owners have sent lies on disk once,
 // but neither learns of the other: each has to send it, and each pays for it.
 #include "server/jobs/job_service.h"
+#include "server/log.h"
 
 namespace server {
 
@@ -41,6 +42,16 @@ api::Status JobService::keep_blob(std::string_view owner, const std::filesystem:
   if (!counted)  // jobs may have taken the room meanwhile
     if (const auto known = store_.blobs()) blobs_.keep_only(*known);
   return counted;
+}
+
+api::Status JobService::drop_blob(std::string_view sha256) {
+  log_line("blob " + std::string(sha256) + " was damaged on the disk and is dropped");
+  const std::lock_guard lock(keeping_);
+  if (api::Status forgotten = store_.forget_blob(sha256); !forgotten) return forgotten;
+  const auto kept = store_.blobs();
+  if (!kept) return kept.error();
+  blobs_.keep_only(*kept);
+  return api::Done{};
 }
 
 // With keeping_ held.

@@ -19,11 +19,15 @@ api::Result<std::string> digest_of(const Upload& upload, const std::filesystem::
             [](const InputFile& a, const InputFile& b) { return a.name < b.name; });
   std::string list;
   for (const InputFile& input : inputs) {
-    const auto file = open_below(input_folder, input.name);
-    if (!file) return file.error();
-    const auto sha256 = sha256_of(*file);
-    if (!sha256) return sha256.error();
-    list += *sha256 + " " + std::to_string(static_cast<int>(input.role)) + " " + input.name + "\n";
+    std::string sha256 = input.sha256;
+    if (sha256.empty()) {
+      const auto file = open_below(input_folder, input.name);
+      if (!file) return file.error();
+      const auto read = sha256_of(*file);
+      if (!read) return read.error();
+      sha256 = *read;
+    }
+    list += sha256 + " " + std::to_string(static_cast<int>(input.role)) + " " + input.name + "\n";
   }
   return sha256_of(list + upload.options);
 }

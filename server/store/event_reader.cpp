@@ -1,5 +1,6 @@
 #include "server/store/event_reader.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace server {
@@ -47,7 +48,9 @@ api::Result<std::int64_t> EventReader::newest() {
 }
 
 api::Result<std::int64_t> EventReader::newest_locked() {
-  Statement read = database_.prepare("SELECT coalesce(max(id), 0) FROM event");
+  Statement read = database_.prepare(
+      "SELECT max((SELECT coalesce(max(id), 0) FROM event), (SELECT coalesce(max(event_id), 0) FROM "
+      "removal))");
   const std::int64_t id = read.next() ? read.integer(0) : 0;
   if (const api::Status ok = read.status(); !ok) return ok.error();
   return id;
@@ -61,7 +64,33 @@ api::Result<std::vector<JobEvent>> EventReader::after(std::int64_t id, std::opti
   select.bind(id);
   if (job_seq) select.bind(*job_seq);
   select.bind(limit);
-  return read_events(select);
+  auto events = read_events(select);
+  if (!events) return events;
+  const api::Status added =
+      add_removals(*events, job_seq ? " AND job_seq = ?" : "", id, job_seq, std::nullopt, limit);
+  if (!added) return added.error();
+  return events;
+}
+
+// They lie in a table of their own, numbered like the others.
+api::Status EventReader::add_removals(std::vector<JobEvent>& events, std::string_view which, std::int64_t id,
+                                      std::optional<std::int64_t> job_seq,
+                                      std::optional<std::string_view> owner, std::int64_t limit) {
+  Statement select = database_.prepare(
+      "SELECT event_id, at_ms, job_seq, job_id, from_state FROM removal WHERE event_id > ?" +
+      std::string(which) + " ORDER BY event_id LIMIT ?");
+  select.bind(id);
+  if (job_seq) select.bind(*job_seq);
+  if (owner) select.bind(*owner);
+  select.bind(limit);
+  while (select.next())
+    events.push_back({select.integer(0), select.integer(1), select.integer(2), select.text(3), select.text(4),
+                      std::string(kRemoved), "", ""});
+  if (api::Status ok = select.status(); !ok) return ok;
+  std::sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  if (static_cast<std::int64_t>(events.size()) > limit)
+    events.erase(events.begin() + static_cast<std::ptrdiff_t>(limit), events.end());
+  return api::Done{};
 }
 
 api::Result<EventPage> EventReader::of_owner_after(std::string_view owner, std::int64_t id,
@@ -76,8 +105,11 @@ api::Result<EventPage> EventReader::of_owner_after(std::string_view owner, std::
   select.bind(id).bind(*newest).bind(owner).bind(limit);
   auto events = read_events(select);
   if (!events) return events.error();
+  const api::Status added = add_removals(*events, " AND owner = ?", id, std::nullopt, owner, limit);
+  if (!added) return added.error();
   const bool all = static_cast<std::int64_t>(events->size()) < limit;
-  const std::int64_t through = all ? *newest : events->back().id;
+  const std::int64_t through =
+      all ? std::max(*newest, events->empty() ? 0 : events->back().id) : events->back().id;
   return EventPage{std::move(*events), through};
 }
 

@@ -22,10 +22,12 @@ struct JobEvent {
   std::int64_t job_seq = 0;
   std::string job_id;
   std::optional<std::string> from;  ///< none: the job was submitted
-  std::string to;
+  std::string to;  ///< kRemoved: the job is gone
   std::string reason;
   std::string message;
 };
+
+inline constexpr std::string_view kRemoved = "removed";
 
 /// How far a job is that a worker is at.
 struct JobProgress {
@@ -45,7 +47,8 @@ struct EventPage {
   std::int64_t through = 0;  ///< all events up to this id have been looked at
 };
 
-/// Safe for use by several threads. The events of a removed job go with it.
+/// Safe for use by several threads. The events of a removed job go with it, but for the last one:
+/// that it was removed is told of until a million later events.
 class EventReader {
  public:
   /// The database must have been opened, and brought up to date, by a JobStore.
@@ -65,6 +68,9 @@ class EventReader {
 
  private:
   api::Result<std::int64_t> newest_locked();
+  api::Status add_removals(std::vector<JobEvent>& events, std::string_view which, std::int64_t id,
+                           std::optional<std::int64_t> job_seq, std::optional<std::string_view> owner,
+                           std::int64_t limit);
 
   explicit EventReader(Database database) : database_(std::move(database)) {}
 

@@ -49,13 +49,13 @@ api::Status JobStore::insert_results(std::int64_t job_seq, const Results& result
 
 api::Result<std::vector<InputFile>> JobStore::inputs(std::int64_t job_seq) {
   const std::lock_guard lock(mutex_);
-  Statement select =
-      database_.prepare("SELECT name, role, bytes FROM job_input WHERE job_seq = ? ORDER BY name");
+  Statement select = database_.prepare(
+      "SELECT name, role, bytes, coalesce(sha256, '') FROM job_input WHERE job_seq = ? ORDER BY name");
   select.bind(job_seq);
   std::vector<InputFile> inputs;
   while (select.next())
-    inputs.push_back(
-        {select.text(0), input_role_named(select.text(1)).value_or(InputRole::texture), select.integer(2)});
+    inputs.push_back({select.text(0), input_role_named(select.text(1)).value_or(InputRole::texture),
+                      select.integer(2), select.text(3)});
   if (const api::Status ok = select.status(); !ok) return ok.error();
   return inputs;
 }

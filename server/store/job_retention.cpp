@@ -24,6 +24,8 @@ api::Status JobStore::begin_removal(std::string_view id, RemovalOf kind) {
   if (!api::is_final(job->state))
     return api::Error{api::Fault::wrong_state, "the job is " + std::string(api::name_of(job->state)) +
                                                    "; cancel it first, then remove it"};
+  Transaction transaction(database_);
+  if (api::Status opened = transaction.begin(); !opened) return opened;
   // Looked at again in the same breath: whoever chose the job did so a moment ago.
   Statement mark = database_.prepare(
       "UPDATE job SET removing = 1, version = version + 1 WHERE seq = ? AND (? OR pinned = 0) AND "
@@ -31,8 +33,29 @@ api::Status JobStore::begin_removal(std::string_view id, RemovalOf kind) {
   mark.bind(job->seq).bind(std::int64_t{kind == RemovalOf::any});
   mark.bind(std::int64_t{kind != RemovalOf::expired}).bind(clock_());
   if (api::Status done = mark.run(); !done) return done;
-  if (database_.changes() == 1) return api::Done{};
-  return api::Error{api::Fault::wrong_state, "the job is to be kept"};
+  if (database_.changes() != 1) return api::Error{api::Fault::wrong_state, "the job is to be kept"};
+  if (api::Status told = leave_word(*job); !told) return told;
+  return transaction.commit();
+}
+
+// The row takes its events with it, so this one is kept apart; its number is one of theirs.
+api::Status JobStore::leave_word(const Job& job) {
+  constexpr std::int64_t kToldForEvents = 1'000'000;
+  const std::int64_t now = clock_();
+  Statement event = database_.prepare(
+      "INSERT INTO event(job_seq, at_ms, from_state, to_state, reason, message) "
+      "VALUES (?, ?, ?, 'removed', '', '')");
+  event.bind(job.seq).bind(now).bind(api::name_of(job.state));
+  if (api::Status done = event.run(); !done) return done;
+  const std::int64_t id = database_.last_row();
+  Statement number_taken = database_.prepare("DELETE FROM event WHERE id = ?");
+  if (api::Status done = number_taken.bind(id).run(); !done) return done;
+  Statement row = database_.prepare(
+      "INSERT INTO removal(event_id, at_ms, job_seq, job_id, owner, from_state) VALUES (?, ?, ?, ?, ?, ?)");
+  row.bind(id).bind(now).bind(job.seq).bind(job.id).bind(job.owner).bind(api::name_of(job.state));
+  if (api::Status done = row.run(); !done) return done;
+  Statement old = database_.prepare("DELETE FROM removal WHERE event_id <= ?");
+  return old.bind(id - kToldForEvents).run();
 }
 
 api::Status JobStore::erase(std::string_view id) {

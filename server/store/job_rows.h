@@ -19,6 +19,7 @@ struct InputFile {
   std::string name;  ///< in the job's input/ folder
   InputRole role = InputRole::texture;
   std::int64_t bytes = 0;
+  std::string sha256 = {};  ///< as it came in; empty: not known, of a job of before it was kept
 };
 
 /// What clients set, at submission and later.
@@ -196,7 +197,8 @@ struct ArtefactFile {
 /// What the integrity check found of one file.
 struct FileLook {
   std::int64_t job_seq = 0;
-  std::string path;
+  bool is_input = false;
+  std::string path;    ///< within its folder
   std::string detail;  ///< what is wrong with it; empty: nothing
 };
 
@@ -204,6 +206,7 @@ struct FileLook {
 struct IntegrityState {
   std::int64_t ended_ms = 0;   ///< when the last share was done; 0: none was yet
   std::int64_t round_ms = 0;   ///< when all files had been looked at last; 0: not yet
+  bool at_inputs = false;      ///< the artefacts are done, inputs are next
   std::int64_t after_seq = 0;  ///< the next share begins after this file
   std::string after_path = {};
 };

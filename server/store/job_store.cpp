@@ -105,10 +105,10 @@ api::Result<Job> JobStore::insert(const NewJob& job, const Ceilings& most) {
   const std::int64_t seq = database_.last_row();
   if (const api::Status done = insert_labels(seq, job.settings.labels); !done) return done.error();
 
-  Statement input_row =
-      database_.prepare("INSERT INTO job_input(job_seq, name, role, bytes) VALUES (?, ?, ?, ?)");
+  Statement input_row = database_.prepare(
+      "INSERT INTO job_input(job_seq, name, role, bytes, sha256) VALUES (?, ?, ?, ?, nullif(?, ''))");
   for (const InputFile& input : job.inputs) {
-    input_row.bind(seq).bind(input.name).bind(name_of(input.role)).bind(input.bytes);
+    input_row.bind(seq).bind(input.name).bind(name_of(input.role)).bind(input.bytes).bind(input.sha256);
     if (const api::Status done = input_row.run(); !done) return done.error();
     input_row.reset();
   }

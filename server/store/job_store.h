@@ -189,6 +189,7 @@ class JobStore {
 
   api::Status step(const Step& step);
   api::Status enter_queue(std::int64_t seq);
+  api::Status leave_word(const Job& job);
   api::Status admit_locked(std::string_view owner, std::int64_t bytes, const Ceilings& most);
   api::Status admit_to_queue(std::string_view owner, const Ceilings& most);
   api::Result<std::int64_t> total_bytes_locked(std::optional<std::string_view> owner);

@@ -67,20 +67,41 @@ api::Result<std::vector<std::string>> damage_of(Database& database) {
   return damage;
 }
 
+namespace {
+
+constexpr std::string_view kArtefacts =
+    "SELECT job_seq, job.id, artefact.path, artefact.bytes, artefact.sha256 FROM artefact "
+    "JOIN job ON job.seq = job_seq WHERE removing = 0 AND (job_seq, artefact.path) > (?, ?) "
+    "ORDER BY job_seq, artefact.path LIMIT ?";
+constexpr std::string_view kInputs =
+    "SELECT job_seq, job.id, job_input.name, job_input.bytes, job_input.sha256 FROM job_input "
+    "JOIN job ON job.seq = job_seq WHERE removing = 0 AND (job_seq, job_input.name) > (?, ?) "
+    "AND job_input.sha256 IS NOT NULL ORDER BY job_seq, job_input.name LIMIT ?";
+
+}  // namespace
+
 api::Result<std::vector<KeptFile>> kept_files(Database& database) {
-  return kept_files_after(database, 0, "", -1);  // SQLite takes a negative limit for none
+  auto files = kept_files_after(database, false, 0, "", -1);  // SQLite takes a negative limit for none
+  if (!files) return files;
+  // A backup may be of before inputs had hashes.
+  Statement known = database.prepare("SELECT 1 FROM pragma_table_info('job_input') WHERE name = 'sha256'");
+  const bool has_hashes = known.next();
+  if (const api::Status ok = known.status(); !ok) return ok.error();
+  if (!has_hashes) return files;
+  const auto inputs = kept_files_after(database, true, 0, "", -1);
+  if (!inputs) return inputs.error();
+  files->insert(files->end(), inputs->begin(), inputs->end());
+  return files;
 }
 
-api::Result<std::vector<KeptFile>> kept_files_after(Database& database, std::int64_t after_seq,
+api::Result<std::vector<KeptFile>> kept_files_after(Database& database, bool inputs, std::int64_t after_seq,
                                                     std::string_view after_path, std::int64_t limit) {
-  Statement select = database.prepare(
-      "SELECT job_seq, job.id, artefact.path, artefact.bytes, artefact.sha256 FROM artefact "
-      "JOIN job ON job.seq = job_seq WHERE removing = 0 AND (job_seq, artefact.path) > (?, ?) "
-      "ORDER BY job_seq, artefact.path LIMIT ?");
+  Statement select = database.prepare(inputs ? kInputs : kArtefacts);
   select.bind(after_seq).bind(after_path).bind(limit);
   std::vector<KeptFile> files;
   while (select.next())
-    files.push_back({select.integer(0), select.text(1), select.text(2), select.integer(3), select.text(4)});
+    files.push_back(
+        {select.integer(0), select.text(1), select.text(2), select.integer(3), select.text(4), inputs});
   if (const api::Status ok = select.status(); !ok) return ok.error();
   return files;
 }
@@ -106,12 +127,6 @@ api::Result<std::vector<KeptJob>> kept_jobs(Database& database) {
   return jobs;
 }
 
-api::Status forget_job(Database& database, const std::string& id) {
-  Statement erase = database.prepare("DELETE FROM job WHERE id = ?");
-  return erase.bind(id).run();
-}
-
-}  // namespace server
 api::Result<bool> is_kept(Database& database, const std::string& id) {
   Statement select = database.prepare("SELECT 1 FROM job WHERE id = ? AND removing = 0");
   const bool kept = select.bind(id).next();
@@ -152,3 +167,9 @@ api::Status end_attempts_of_copy(Database& database, std::int64_t now_ms) {
   return transaction.commit();
 }
 
+api::Status forget_job(Database& database, const std::string& id) {
+  Statement erase = database.prepare("DELETE FROM job WHERE id = ?");
+  return erase.bind(id).run();
+}
+
+}  // namespace server

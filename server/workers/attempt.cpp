@@ -39,6 +39,12 @@ std::uint64_t RunningAttempt::memory_limit() const {
 }
 
 void RunningAttempt::start() {
+  // From a changed scene come wrong pictures, which nobody could tell from right ones.
+  if (const api::Status whole = jobs_.must_have_whole_inputs(claim_.job); !whole) {
+    not_started_ = whole.error().message;
+    damaged_ = whole.error().fault == api::Fault::invalid_request;
+    return;
+  }
   std::vector<std::string> arguments{"render", jobs_.folder_of(claim_.job).string(), "--parent",
                                      std::to_string(::getpid()), "--sandbox"};
   arguments.insert(arguments.end(), rules_.render_options.begin(), rules_.render_options.end());
@@ -148,6 +154,13 @@ std::int64_t RunningAttempt::ran_ms() const {
 }
 
 AttemptOutcome RunningAttempt::end() {
+  if (damaged_)
+    return {
+        OutcomeKind::damaged,
+        "input_damaged",
+        not_started_ + ": it was damaged on the disk of the service after it came in; submit the job again",
+        {},
+        {}};
   if (!worker_) return {OutcomeKind::not_started, "worker_not_started", not_started_, {}, {}};
   if (log_open_) (void)log_.take_from(worker_->output());
   ProgressTail::News news = tail_.read();

@@ -95,6 +95,7 @@ class RunningAttempt {
   WorkerLog log_;
   std::optional<ChildProcess> worker_;
   std::string not_started_;  ///< why there is no worker
+  bool damaged_ = false;     ///< that is why: an input is no longer what came in
   bool log_open_ = true;
   Wanted wanted_ = Wanted::go_on;
   Killed killed_ = Killed::no;

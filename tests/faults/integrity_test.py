@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
 """A file changes on the disk: the check that runs by itself finds it, log, metrics and /readyz tell of it, and nobody
 is given wrong bytes."""
+import hashlib
+import io
 import json
+import subprocess
+import tarfile
 import unittest
 
 from curl import curl
-from service import Service, ServiceTestCase, wait_until
+from service import SERVER, Service, ServiceTestCase, wait_until
 from small_jobs import write_job
 
 JOB = {"frames": 2, "line_count": 20_000, "moving_line_count": 10_000, "patch_edge_m": 1.5, "samples_per_light": 1}
@@ -88,6 +92,64 @@ class Integrity(ServiceTestCase):
         file.write_bytes(before)  # from a backup
         wait_until(lambda: self.metric(service, "damaged_files") == 0, 30, "it is whole again")
         self.assertEqual(service.get(f"/v1/jobs/{job_id}/radiosity.npy").body, before)
+
+    def flip(self, file):
+        before = file.read_bytes()
+        file.chmod(0o600)
+        file.write_bytes(before[:-2] + bytes([before[-2] ^ 1]) + before[-1:])
+        return before
+
+    def test_a_damaged_input_is_told_of_and_nobody_vouches_for_it(self):
+        service, job_id = self.running()
+        sums = self.sums_of(service, job_id)
+        self.rounds(service)
+        scene = service.job_folder(job_id) / "input/scene.obj"
+        before = self.flip(scene)
+        self.assertEqual(self.sums_of(service, job_id), sums, "as it came in, not as it is")
+        wait_until(lambda: self.metric(service, "damaged_files") == 1, 30, "it is found")
+        self.expect_damaged(curl(f"{service.url}/v1/jobs/{job_id}/results.tar", checked=False), "input/scene.obj")
+        self.assertEqual(service.get(f"/v1/jobs/{job_id}/radiosity.npy", "-I").status, 200, "that is whole")
+        service.stop()
+        checked = subprocess.run([SERVER, "check", "--data", str(service.data)], capture_output=True, text=True)
+        self.assertEqual(checked.returncode, 1, checked.stdout)
+        self.assertIn(f"{job_id}: input 'scene.obj' has another SHA-256", checked.stdout)
+        scene.write_bytes(before)
+        checked = subprocess.run([SERVER, "check", "--data", str(service.data)], capture_output=True, text=True)
+        self.assertEqual(checked.returncode, 0, checked.stdout)
+
+    def sums_of(self, service, job_id):
+        answer = service.get(f"/v1/jobs/{job_id}/results.tar")
+        if answer.status != 200:
+            return None
+        with tarfile.open(fileobj=io.BytesIO(answer.body)) as tar:
+            return tar.extractfile(f"{job_id}/SHA256SUMS").read()
+
+    def test_nothing_is_made_from_a_damaged_input(self):
+        service = self.service()
+        service.get("/v1/queue/pause", "-X", "POST")
+        job_id = self.submitted(service, write_job(self.folder / "job", **JOB))
+        self.flip(service.job_folder(job_id) / "input/scene.obj")
+        service.get("/v1/queue/resume", "-X", "POST")
+        job = service.wait_for(job_id, ["failed"], 30)
+        self.assertTrue(job["reason"].startswith("input_damaged"), job["reason"])
+        self.assertIn("scene.obj", job["reason"])
+
+    def test_a_damaged_blob_makes_no_job_and_can_be_sent_again(self):
+        service = self.service()
+        files = []
+        for path in sorted(write_job(self.folder / "job", **JOB).iterdir()):
+            sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+            self.assertEqual(service.get(f"/v1/blobs/sha256/{sha256}", "-T", str(path)).status, 201)
+            field = {".obj": "scene", ".mtl": "materials", ".json": "animation"}[path.suffix]
+            files.append((path, {"field": field, "name": path.name, "sha256": sha256}))
+        path, scene = next(each for each in files if each[1]["field"] == "scene")
+        self.flip(service.data / "blobs" / scene["sha256"][:2] / scene["sha256"])
+        body = json.dumps({"files": [file for _, file in files]})
+        post = ("-H", "Content-Type: application/json", "--data-binary", body)
+        refused = service.get("/v1/jobs", *post)
+        self.assertEqual((refused.status, refused.json()["errors"][0]["code"]), (422, "unknown_blob"))
+        self.assertEqual(service.get(f"/v1/blobs/sha256/{scene['sha256']}", "-T", str(path)).status, 201)
+        self.assertEqual(service.get("/v1/jobs", *post).status, 202)
 
     def test_a_picture_that_is_gone_is_damage_too(self):
         service, job_id = self.running()

@@ -67,6 +67,42 @@ TEST_F(IntegrityTest, WhatChangedIsRefusedUntilItIsWholeAgain) {
   EXPECT_TRUE(jobs_->artefact(first, "b.png"));
 }
 
+TEST_F(IntegrityTest, InputsAreLookedAtToo) {
+  Upload upload = make_upload();
+  const std::filesystem::path input = folder_->upload(upload.id) / "input";
+  for (InputFile& file : upload.inputs) {
+    const std::string bytes = read_text(input / file.name);
+    file.bytes = static_cast<std::int64_t>(bytes.size());
+    file.sha256 = sha256_of(bytes);
+  }
+  const auto job = jobs_->submit(upload);
+  ASSERT_TRUE(job);
+  EXPECT_EQ(store_->inputs(job->seq)->at(1).sha256, upload.inputs[0].sha256);
+  EXPECT_TRUE(jobs_->must_have_whole_inputs(*job));
+  auto check = with(1h);
+  ASSERT_TRUE(check->check());
+  EXPECT_EQ(check->report().files, 2);
+  EXPECT_EQ(check->report().damaged_files, 0);
+
+  write_text(jobs_->folder_of(*job) / "input/scene.obj", "v 0 0 1\n");
+  const api::Status changed = jobs_->must_have_whole_inputs(*job);
+  ASSERT_FALSE(changed);
+  EXPECT_NE(changed.error().message.find("input 'scene.obj'"), std::string::npos) << changed.error().message;
+  for (int share = 0; share < 3; ++share) ASSERT_TRUE(with(0ms)->check());
+  EXPECT_EQ(*store_->count_damaged(), 1);
+  const api::Status refused = jobs_->must_be_whole(*job);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().violations.at(0).file, "input/scene.obj");
+  EXPECT_TRUE(jobs_->must_be_whole(*job, "radiosity*"));
+
+  auto database = Database::open_to_read(folder_->database());
+  ASSERT_TRUE(database);
+  EXPECT_EQ(kept_files(*database)->size(), 2u) << "what the check of the command line reads";
+  write_text(jobs_->folder_of(*job) / "input/scene.obj", "v 0 0 0\n");
+  ASSERT_TRUE(with(1h)->check());
+  EXPECT_EQ(*store_->count_damaged(), 0);
+}
+
 TEST_F(IntegrityTest, AShareAtATimeComesRoundAlsoAcrossRestarts) {
   const Job whole = finished({"a.png", "b.png", "c.png"});
   change(whole, "c.png", "y");
