@@ -89,10 +89,17 @@ api::Status JobService::remove(std::string_view id) {
 
 api::Status JobService::remove(std::string_view id, JobStore::RemovalOf kind) {
   const std::lock_guard lock(removing_);
-  if (api::Status begun = store_.begin_removal(id, kind); !begun) return begun;
+  // On a full disk nothing can be written, and what cannot be written down cannot be removed.
+  const auto with_ballast = [&](const auto& write) -> api::Status {
+    api::Status done = write();
+    if (done || done.error().fault != Fault::disk_full || !folder_.drop_ballast()) return done;
+    log_line("the disk is full: the room that was kept for removals is used now");
+    return write();
+  };
+  if (api::Status begun = with_ballast([&] { return store_.begin_removal(id, kind); }); !begun) return begun;
   api::fault_point("removal_marked");
   end_making_(std::string(id));
-  return remove_files_and_row(std::string(id));
+  return with_ballast([&] { return remove_files_and_row(std::string(id)); });
 }
 
 api::Status JobService::remove_files_and_row(const std::string& id) {

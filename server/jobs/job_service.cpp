@@ -168,6 +168,7 @@ api::Result<Job> JobService::keep(const Upload& upload, const NewJob& row) {
 // What fails here is tried again at the next start, or when it is next asked for: it is no reason not to
 // serve.
 api::Status JobService::clean_up() {
+  folder_.lay_ballast();
   const auto unfinished = store_.jobs_being_removed();
   if (!unfinished) return unfinished.error();
   for (const std::string& id : *unfinished)

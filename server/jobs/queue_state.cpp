@@ -111,6 +111,7 @@ void JobService::stop_waiting() {
 }
 
 api::Status JobService::collect_garbage() {
+  folder_.lay_ballast();
   if (api::Status mended = store_.mend_times(rules_.disk_full_wait_ms_max); !mended) return mended;
   if (clock_doubt_.is_doubtful()) return api::Done{};
   if (api::Status forgotten = store_.forget_keys(clock_() - rules_.key_ms); !forgotten) return forgotten;

@@ -81,7 +81,7 @@ class DiskFull(SmallDiskTestCase):
         for job_id in jobs:
             answer = service.get(f"/v1/jobs/{job_id}", "-X", "DELETE")
             self.assertEqual(answer.status, 204, answer.body)
-            self.assertFalse(service.job_folder(job_id).exists())
+            self.assertIsNone(service.job_folder(job_id))
         filler.unlink()
         self.assertEqual(service.stop(), 0)
         service.start()
