@@ -95,7 +95,7 @@ test("a job is made from an example and submitted", async () => {
   await page.getByRole("button", { name: "Cornell box" }).waitFor();
   await tabTo(page, isNamed, "Cornell box");
   await page.keyboard.press("Enter");
-  await page.locator(".forecast .facts").waitFor();
+  await page.locator(".forecast-facts").waitFor();
   await tabTo(page, (element) => element.labels?.[0]?.textContent === "Preset");
   await page.keyboard.press("d");
   await tabTo(page, isNamed, "Submit job");

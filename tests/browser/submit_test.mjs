@@ -56,7 +56,7 @@ test("files that are dropped on the form are shown, checked and forecast", async
     await page.locator(".file-list").getByText(name, { exact: true }).waitFor();
   await page.locator(".preview-canvas").waitFor();
   await page.getByText("120 frames at 24 per second").waitFor();
-  const forecast = page.locator(".forecast .facts");
+  const forecast = page.locator(".forecast-facts");
   await forecast.waitFor();
   assert.match(await forecast.textContent(), /9,442 patches, 120 frames, 45 polygons/);
   await page.getByLabel("Preset").selectOption("draft");
@@ -70,7 +70,7 @@ test("a setting that cannot be is told at its field, and then taken back", async
   assert.notEqual(await page.locator(`#${described}`).textContent(), "");
   await tolerance.fill("");
   await page.locator('#' + await tolerance.getAttribute("id") + '[aria-invalid="false"]').waitFor();
-  await page.locator(".forecast .facts").waitFor();
+  await page.locator(".forecast-facts").waitFor();
 });
 
 test("the job that is submitted is watched until it is done", async () => {

@@ -28,7 +28,7 @@ export function sights({ garage, done, grouped }) {
     { name: "queue_empty", path: "/?q=nothing", prepare: shown(".queue-message .notice") },
     { name: "new_job", path: "/new", prepare: async (page) => {
       await drop(page, ".drop-zone", filesOf(garage));
-      await page.locator(".forecast .facts").waitFor();
+      await page.locator(".forecast-facts").waitFor();
       await page.locator(".preview-canvas").waitFor();
       await page.getByLabel("Frame", { exact: true }).fill("60");
       await page.waitForTimeout(500);

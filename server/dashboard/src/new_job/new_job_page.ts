@@ -37,6 +37,7 @@ class NewJob {
   private readonly hint = h("p", { class: "muted", role: "status" });
   private readonly errors = h("div", { class: "job-errors", role: "alert" });
   private readonly forecast = h("div", { class: "forecast", role: "status" });
+  private readonly warnings = h("div", { role: "status" });
   private readonly submit = h("button", { class: "primary", type: "submit" }, "Submit job");
   private readonly settings = settingsForm(() => this.later());
   private readonly options = jobOptionsForm(() => this.later());
@@ -52,8 +53,8 @@ class NewJob {
       },
     },
       dropZone((files) => void this.add(files).catch(toastError)), this.examples(), this.files, this.hint, this.errors,
-      h("div", { class: "new-job-sides" }, h("div", null, this.preview.element, this.forecast), h("div", null, this.settings.element, this.options.element)),
-      h("div", { class: "row new-job-send" }, this.submit, copyCurlButton(() => this.curl(), "submit this job")));
+      h("div", { class: "new-job-sides" }, h("div", null, this.preview.element, this.warnings), h("div", null, this.settings.element, this.options.element)),
+      h("div", { class: "row new-job-send" }, this.submit, copyCurlButton(() => this.curl(), "submit this job"), this.forecast));
     this.settings.start(null);
     this.show();
   }
@@ -98,12 +99,13 @@ class NewJob {
     this.asked = new AbortController();
     if (!isWhole(this.parts)) {
       fill(this.forecast);
+      fill(this.warnings);
       fill(this.errors);
       if (filesChanged) this.preview.clear();
       return;
     }
     const { signal } = this.asked;
-    fill(this.forecast, h("p", { class: "muted" }, "Checking…"));
+    fill(this.forecast, h("span", { class: "muted" }, "Checking…"));
     send("post", "/v1/validate", { form: this.form(), signal }).then(
       (answer) => !signal.aborted && this.showForecast(answer),
       (error: unknown) => !signal.aborted && this.showErrors(error),
@@ -119,15 +121,16 @@ class NewJob {
   private showForecast({ forecast, warnings }: Validation): void {
     this.settings.showErrors([]);
     fill(this.errors);
-    fill(this.forecast, h("h2", null, "Forecast"), h("dl", { class: "facts" },
-      h("dt", null, "Time"), h("dd", null, duration(forecast.seconds)),
-      h("dt", null, "Memory"), h("dd", null, bytes(forecast.memory_bytes)),
-      h("dt", null, "Size"), h("dd", null, `${count(forecast.patches, "patch", "patches")}, ${count(forecast.frames, "frame")}, ${count(forecast.polygons, "polygon")}`)),
-      warnings.map((text) => h("p", { class: "warn small" }, text)));
+    fill(this.forecast, h("dl", { class: "forecast-facts", "aria-label": "Forecast" },
+      h("dt", null, "Takes about"), h("dd", null, duration(forecast.seconds)),
+      h("dt", null, "memory"), h("dd", null, bytes(forecast.memory_bytes)),
+      h("dt", null, "for"), h("dd", null, `${count(forecast.patches, "patch", "patches")}, ${count(forecast.frames, "frame")}, ${count(forecast.polygons, "polygon")}`)));
+    fill(this.warnings, warnings.map((text) => h("p", { class: "warn small" }, text)));
   }
 
   private showErrors(error: unknown): void {
     fill(this.forecast);
+    fill(this.warnings);
     const named = error instanceof ApiError ? error.errors : [];
     const left = this.settings.showErrors(named);
     fill(this.errors, named.length === 0 ? h("p", { class: "bad" }, messageOf(error)) : h("p", { class: "bad" }, "This job would be refused:"),

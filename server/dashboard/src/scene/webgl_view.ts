@@ -8,6 +8,7 @@ import { LightPasses } from "./light_passes";
 import type { Display, Drawn, LightingView, Picked, Term } from "./lighting_view";
 import { paletteTexels } from "./palette";
 import { Marks } from "./marks";
+import { fromOutside } from "./outside";
 import { Picker } from "./picker";
 import { cameraAt, type ShadingMesh } from "./shading_mesh";
 import { kSurfaceFragment } from "./shaders";
@@ -210,14 +211,9 @@ class WebGlView implements LightingView {
     return this.mesh.cameras.names.length > 0 ? this.aimed(cameraAt(this.mesh, 0, 0)) : this.fromOutside();
   }
 
-  /** Askance from above, so far away that all is in sight. */
   private fromOutside(): CameraState {
-    const { center, radius } = this.bounds;
-    const up = new Vector3(...this.mesh.up);
-    const aside = new Vector3(up.y, up.z, up.x);
-    const away = up.clone().multiplyScalar(0.9).add(aside).addScaledVector(up.clone().cross(aside), 0.6).normalize();
-    const eye = center.clone().addScaledVector(away, 2.4 * radius);
-    return { position: [eye.x, eye.y, eye.z], target: [center.x, center.y, center.z], verticalFovDeg: 50 };
+    const { clientWidth, clientHeight } = this.canvas;
+    return fromOutside(this.surfaces, this.mesh.up, clientWidth > 0 && clientHeight > 0 ? clientWidth / clientHeight : 1);
   }
 
   /** What a camera looks at, as far away as the middle of the scene: orbiting goes around it. */

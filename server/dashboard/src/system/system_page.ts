@@ -61,8 +61,8 @@ export const openSystemPage: OpenPage = ({ lifetime, setTitle }) => {
 
   const page = h("div", { class: "cards" });
   append(page, [queueCard, workersCard, healthCard, serviceCard, limitsCard, versionCard].map(({ element }) => element));
-  return h("div", null, page, h("p", { class: "row muted small" }, "Numbers for Prometheus are at ", h("a", { href: "/metrics" }, "/metrics"), ", the interface is described at ",
-    h("a", { href: "/docs" }, "/docs"), copyCurlButton(() => curlOf("GET", "/openapi.json"), "the description of the interface")));
+  return h("div", null, page, h("p", { class: "muted small" }, "Numbers for Prometheus are at ", h("a", { href: "/metrics" }, "/metrics"), ", the interface is described at ",
+    h("a", { href: "/docs" }, "/docs"), " ", copyCurlButton(() => curlOf("GET", "/openapi.json"), "the description of the interface")));
 };
 
 function serviceFacts(samples: readonly Sample[]): Fact[] {

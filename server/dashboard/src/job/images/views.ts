@@ -46,7 +46,7 @@ export function views(context: JobContext): HTMLElement {
 
 function newView(context: JobContext, again: () => void): Node | null {
   const stage = context.stage.value;
-  if (!stage) return h("p", { class: "small muted" }, "The walk has not been opened yet.");
+  if (!stage) return h("p", { class: "small muted" }, "Open Walk first: what is seen there is rendered here.");
   const size = h("select", { "aria-label": "Size" }, kSizes.map(([w, ht]) => h("option", { value: `${w} ${ht}` }, `${w} × ${ht}`)));
   const format = h("select", { "aria-label": "Format" }, kFormats.map((name) => h("option", { value: name }, name)));
   const all = h("input", { type: "checkbox" });

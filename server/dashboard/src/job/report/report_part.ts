@@ -25,6 +25,8 @@ interface Report {
   fingerprint?: string | null;
 }
 
+const kForecast = /^forecast_\w+_seconds$/;
+
 export const openReport: OpenJobPart = (context) => {
   const [facts, promise, log] = [h("div"), h("div"), h("div")];
   let state = "";
@@ -55,20 +57,27 @@ async function fetchText({ id }: JobContext): Promise<string> {
 }
 
 function reportTables(report: Report): Node {
+  const forecast = new Map(report.counts.map(({ name, value }) => [name, value]));
+  const forecastOf = (stage: string): string => {
+    const seconds = forecast.get(`forecast_${stage}_seconds`);
+    return seconds === undefined ? "" : duration(seconds);
+  };
+  const counts = report.counts.filter(({ name }) => !kForecast.test(name));
   const all = report.stage_seconds.reduce((sum, { seconds }) => sum + seconds, 0);
   return h("div", { class: "report-tables" },
     report.message ? h("p", { class: report.outcome === "succeeded" ? "" : "bad" }, report.message) : null,
     report.warnings.map((text) => h("p", { class: "warn" }, text)),
-    h("section", { "aria-label": "Stages" }, h("h2", null, "Stages"), h("table", null, h("tbody", null,
+    h("section", { "aria-label": "Stages" }, h("h2", null, "Stages"), h("table", null,
+      h("thead", null, h("tr", null, ["Stage", "Time", "Forecast", "Share"].map((text) => h("th", { scope: "col" }, text)))), h("tbody", null,
       report.stage_seconds.map(({ stage, seconds }) => h("tr", null, h("th", { scope: "row" }, stage), h("td", { class: "number" }, duration(seconds)),
-        h("td", null, h("meter", { min: 0, max: Math.max(all, 1e-9), value: seconds, "aria-label": `${stage}: share of the time` })))),
-      h("tr", null, h("th", { scope: "row" }, "all"), h("td", { class: "number" }, duration(all)), h("td"))))),
+        h("td", { class: "number muted" }, forecastOf(stage)), h("td", null, h("meter", { min: 0, max: Math.max(all, 1e-9), value: seconds, "aria-label": `${stage}: share of the time` })))),
+      h("tr", null, h("th", { scope: "row" }, "all"), h("td", { class: "number" }, duration(all)), h("td"), h("td"))))),
     h("section", { "aria-label": "Figures" }, h("h2", null, "Figures"), h("table", null, h("tbody", null,
       figure("peak memory", bytes(report.peak_memory_bytes)),
       report.noise === null || report.noise === undefined ? null : figure("noise", percentText(report.noise)),
       report.target_error ? figure("target error", `${percentText(report.target_error)}, ${report.target_error_met ? "met" : "not met"}`) : null,
       report.sandbox ? figure("held by", report.sandbox) : null,
-      report.counts.map(({ name, value }) => figure(name.replaceAll("_", " "), value.toLocaleString("en", { maximumSignificantDigits: 6 })))))));
+      counts.map(({ name, value }) => figure(name.replaceAll("_", " "), value.toLocaleString("en", { maximumSignificantDigits: 6 })))))));
 }
 
 function figure(name: string, value: string): HTMLElement {
