@@ -1,19 +1,17 @@
 #include "server/backup_folder.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <fstream>
-#include <set>
 #include <system_error>
 #include <vector>
 
 #include "api/fault_point.h"
 #include "server/artefacts/files.h"
 #include "server/artefacts/verify.h"
+#include "server/copy_tree.h"
+#include "server/store/job_store.h"
 #include "server/store/maintenance.h"
 
 namespace server {
@@ -23,97 +21,86 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDatabase = "keylume.db";
 constexpr const char* kSums = "SHA256SUMS";
-constexpr const char* kPart = ".part";  // ends the name of a folder that is not whole yet
-// Written once, by rename: a link to them stays what it is.
-const std::set<std::string> kUnchanging{"input", "artefacts", "views", "video", "videos"};
+constexpr const char* kJobs = "jobs";
+constexpr const char* kSumsEnd = ".sha256";
 
-api::Status copy_durably(const fs::path& from, const fs::path& to) {
-  FileHandle source(::open(from.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (!source) return file_error(from.string(), errno);
-  FileHandle target(::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
-  if (!target) return file_error(to.string(), errno);
-  std::array<char, 64 * 1024> piece;
-  for (;;) {
-    const ssize_t count = ::read(source.get(), piece.data(), piece.size());
-    if (count < 0) return file_error(from.string(), errno);
-    if (count == 0) break;
-    if (api::Status written = write_all(target, {piece.data(), static_cast<std::size_t>(count)}); !written)
-      return written;
-  }
-  if (::fsync(target.get()) != 0) return file_error(to.string(), errno);
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+/// A view gets its name when it is whole, a video has its sum from then on. Requests for views are taken
+/// too: they are fulfilled where the copy is served.
+api::Status take_made_later(const fs::path& from, const fs::path& to) {
+  const auto no_report = [](const std::string& name) { return !name.ends_with(".report.json"); };
+  if (api::Status taken = take_some(from / "views", to / "views", Taking::links, no_report); !taken)
+    return taken;
+  const auto whole = [&](const std::string& name) {
+    return name.ends_with(kSumsEnd) || is_there(from / "videos" / (name + kSumsEnd));
+  };
+  if (api::Status taken = take_some(from / "videos", to / "videos", Taking::links, whole); !taken)
+    return taken;
+  // One that is removed, or made anew, in the meantime is not taken by half.
+  std::error_code error;
+  for (fs::directory_iterator at(to / "views", error), end; !error && at != end; at.increment(error))
+    if (at->is_directory(error) && !is_there(from / "views" / at->path().filename()))
+      if (api::Status removed = remove_tree(at->path()); !removed) return removed;
   return api::Done{};
 }
 
-api::Status link_or_copy(const fs::path& from, const fs::path& to) {
-  if (::link(from.c_str(), to.c_str()) == 0) return api::Done{};
-  return copy_durably(from, to);
-}
-
-/// All files below `from`; links are left out, as everything that is no regular file.
-api::Status take_tree(const fs::path& from, const fs::path& to, bool unchanging) {
-  std::error_code error;
-  fs::create_directories(to, error);
-  if (error) return file_error(to.string(), error.value());
-  for (fs::directory_iterator at(from, error), end; !error && at != end; at.increment(error)) {
-    const fs::file_status status = at->symlink_status(error);
-    const fs::path target = to / at->path().filename();
-    api::Status taken = api::Done{};
-    if (fs::is_directory(status))
-      taken = take_tree(at->path(), target, unchanging);
-    else if (fs::is_regular_file(status))
-      taken = unchanging ? link_or_copy(at->path(), target) : copy_durably(at->path(), target);
-    if (!taken) return taken;
-  }
-  if (error) return file_error(from.string(), error.value());
-  return sync_folder(to);
-}
-
-/// not_found: the job's files are gone.
+/// What a worker is at, or will be, is copied: whatever it writes there later must not reach the copy.
 api::Status take_job(const fs::path& from, const fs::path& to, bool succeeded) {
-  std::error_code error;
-  if (!fs::exists(from / "input", error)) return api::Error{api::Fault::not_found, from.string()};
-  fs::create_directories(to, error);
-  for (fs::directory_iterator at(from, error), end; !error && at != end; at.increment(error)) {
-    const std::string name = at->path().filename().string();
-    const bool results = name != "input" && kUnchanging.contains(name);
-    api::Status taken = api::Done{};
-    if (name == "input" || (results && succeeded))
-      taken = take_tree(at->path(), to / name, true);
-    else if (name == "report.json" || name == "worker.log")
-      taken = copy_durably(at->path(), to / name);
-    if (!taken) return taken;
-  }
-  if (error) return file_error(from.string(), error.value());
-  return sync_folder(to);
+  if (api::Status taken = take_tree(from / "input", to / "input", succeeded ? Taking::links : Taking::copies);
+      !taken)
+    return taken;
+  const auto told = [](const std::string& name) { return name == "report.json" || name == "worker.log"; };
+  if (api::Status taken = take_some(from, to, Taking::copies, told); !taken || !succeeded) return taken;
+  if (api::Status taken = take_tree(from / "artefacts", to / "artefacts", Taking::links); !taken)
+    return taken;
+  return take_made_later(from, to);
+}
+
+/// The copy is not to know of a job that was removed since the database was copied.
+api::Status leave_out(Database& copy, const fs::path& folder, const std::string& id) {
+  if (api::Status removed = remove_tree(folder / kJobs / id); !removed) return removed;
+  return forget_job(copy, id);
+}
+
+/// One file again, for the sums.
+api::Status into_one_file(Database& database) {
+  return database.execute("PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode=DELETE");
 }
 
 api::Status take_jobs(const fs::path& data, const fs::path& to, BackupReport& report) {
-  auto database = Database::open(to / kDatabase);
-  if (!database) return database.error();
-  const auto jobs = kept_jobs(*database);
+  auto original = Database::open_to_read(data / kDatabase);
+  if (!original) return original.error();
+  auto copy = Database::open(to / kDatabase);
+  if (!copy) return copy.error();
+  if (api::Status ended = end_attempts_of_copy(*copy, system_clock_ms()); !ended) return ended;
+  const auto jobs = kept_jobs(*copy);
   if (!jobs) return jobs.error();
   for (const KeptJob& job : *jobs) {
-    const api::Status taken = take_job(data / "jobs" / job.id, to / "jobs" / job.id, job.succeeded);
-    if (taken) {
-      ++report.jobs;
-      api::fault_point("backup_job_taken");
+    if (api::Status taken = take_job(data / kJobs / job.id, to / kJobs / job.id, job.succeeded); !taken)
+      return taken;
+    const auto kept = is_kept(*original, job.id);
+    if (!kept) return kept.error();
+    if (!*kept) {
+      if (api::Status left = leave_out(*copy, to, job.id); !left) return left;
       continue;
     }
-    std::error_code error;
-    // Removed since the database was copied? Then the copy is not to know of it either.
-    if (fs::exists(data / "jobs" / job.id / "input", error)) return taken;
-    if (api::Status removed = remove_tree(to / "jobs" / job.id); !removed) return removed;
-    if (api::Status forgotten = forget_job(*database, job.id); !forgotten) return forgotten;
+    if (!is_there(data / kJobs / job.id / "input"))
+      return api::Error{api::Fault::internal, job.id + ": its folder input is gone; see check"};
+    ++report.jobs;
+    api::fault_point("backup_job_taken");
   }
-  // One file again, for the sums.
-  return database->execute("PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode=DELETE");
+  return into_one_file(*copy);
 }
 
 api::Status write_sums(const fs::path& folder, BackupReport& report) {
   std::string sums;
   std::error_code error;
   for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    if (!at->is_regular_file(error)) continue;
+    if (!at->is_regular_file(error) || at->path().filename() == kHalfMade) continue;
     const fs::path relative = at->path().lexically_relative(folder);
     const auto file = open_below(folder, relative.string());
     if (!file) return file.error();
@@ -128,29 +115,7 @@ api::Status write_sums(const fs::path& folder, BackupReport& report) {
   if (!handle) return file_error((folder / kSums).string(), errno);
   if (api::Status written = write_all(handle, sums); !written) return written;
   api::fault_point("backup_sums_written");
-  if (::fsync(handle.get()) != 0) return file_error((folder / kSums).string(), errno);
-  return sync_folder(folder);
-}
-
-/// `make` fills a new folder beside `to`, which then gets its name.
-template <class Make>
-api::Result<BackupReport> appear_whole(const fs::path& to, const Make& make) {
-  std::error_code error;
-  if (fs::exists(to, error)) return api::Error{api::Fault::wrong_state, to.string() + " exists already"};
-  const fs::path absolute = fs::absolute(to, error).lexically_normal();
-  const fs::path part = absolute.string() + kPart;
-  if (api::Status removed = remove_tree(part); !removed) return removed.error();
-  fs::create_directories(part.parent_path(), error);
-  if (::mkdir(part.c_str(), 0700) != 0) return file_error(part.string(), errno);
-  BackupReport report;
-  api::Status made = make(part, report);
-  api::fault_point("folder_made");
-  if (made && ::rename(part.c_str(), absolute.c_str()) != 0) made = file_error(absolute.string(), errno);
-  api::fault_point("folder_named");
-  if (made) made = sync_folder(absolute.parent_path());
-  if (made) return report;
-  (void)remove_tree(part);
-  return made.error();
+  return api::Done{};
 }
 
 struct Sum {
@@ -195,40 +160,77 @@ api::Status check_sum(const fs::path& backup, const Sum& sum) {
   return api::Done{};
 }
 
+/// The job that a file of a backup belongs to; none: all of them need it.
+std::string job_of(const std::string& path) {
+  const std::string folder = std::string(kJobs) + "/";
+  if (!path.starts_with(folder)) return {};
+  return path.substr(folder.size(), path.find('/', folder.size()) - folder.size());
+}
+
+/// Finds the jobs with a file that is not as it was. Errors: a file that all jobs need.
+api::Status find_damage(const fs::path& backup, const std::vector<Sum>& sums, BackupReport& report) {
+  for (const Sum& sum : sums) {
+    const api::Status same = check_sum(backup, sum);
+    if (same) continue;
+    const std::string job = job_of(sum.path);
+    if (job.empty()) return same;
+    report.left_out.emplace(job, same.error().message);
+  }
+  return api::Done{};
+}
+
+/// Backups of earlier versions still know whose workers they were.
+api::Status settle_copy(const fs::path& folder, const BackupReport& report) {
+  auto copy = Database::open(folder / kDatabase);
+  if (!copy) return copy.error();
+  if (api::Status ended = end_attempts_of_copy(*copy, system_clock_ms()); !ended) return ended;
+  for (const auto& [job, why] : report.left_out)
+    if (api::Status forgotten = forget_job(*copy, job); !forgotten) return forgotten;
+  return into_one_file(*copy);
+}
+
+api::Status copy_back(const fs::path& backup, const std::vector<Sum>& sums, const fs::path& part,
+                      BackupReport& report) {
+  for (const Sum& sum : sums) {
+    if (report.left_out.contains(job_of(sum.path))) continue;
+    std::error_code error;
+    fs::create_directories((part / sum.path).parent_path(), error);
+    if (api::Status copied = copy_durably(backup / sum.path, part / sum.path); !copied) return copied;
+    ++report.files;
+    report.bytes += static_cast<std::int64_t>(fs::file_size(part / sum.path, error));
+    api::fault_point("restore_file_copied");
+  }
+  return settle_copy(part, report);
+}
+
 }  // namespace
 
 api::Result<BackupReport> back_up(const fs::path& data, const fs::path& to) {
-  std::error_code error;
-  if (!fs::exists(data / kDatabase, error))
+  if (!is_there(data / kDatabase))
     return api::Error{api::Fault::not_found,
                       data.string() + " is no data folder: " + kDatabase + " is missing"};
-  return appear_whole(to, [&](const fs::path& part, BackupReport& report) -> api::Status {
+  BackupReport report;
+  const api::Status made = appear_whole(to, [&](const fs::path& part) -> api::Status {
     if (api::Status copied = copy_database(data / kDatabase, part / kDatabase); !copied) return copied;
     api::fault_point("backup_database_copied");
     if (api::Status taken = take_jobs(data, part, report); !taken) return taken;
-    if (fs::exists(data / "tokens", error))
-      if (api::Status taken = take_tree(data / "tokens", part / "tokens", false); !taken) return taken;
+    if (api::Status taken = take_tree(data / "tokens", part / "tokens", Taking::copies); !taken) return taken;
     return write_sums(part, report);
   });
+  if (!made) return made.error();
+  return report;
 }
 
 api::Result<BackupReport> restore(const fs::path& backup, const fs::path& data) {
   if (const api::Status whole = refuse_half(backup); !whole) return whole.error();
   const auto sums = read_sums(backup);
   if (!sums) return sums.error();
-  for (const Sum& sum : *sums)
-    if (const api::Status same = check_sum(backup, sum); !same) return same.error();
-  return appear_whole(data, [&](const fs::path& part, BackupReport& report) -> api::Status {
-    for (const Sum& sum : *sums) {
-      std::error_code error;
-      fs::create_directories((part / sum.path).parent_path(), error);
-      if (api::Status copied = copy_durably(backup / sum.path, part / sum.path); !copied) return copied;
-      ++report.files;
-      report.bytes += static_cast<std::int64_t>(fs::file_size(part / sum.path, error));
-      api::fault_point("restore_file_copied");
-    }
-    return sync_folder(part);
-  });
+  BackupReport report;
+  if (api::Status usable = find_damage(backup, *sums, report); !usable) return usable.error();
+  const api::Status made =
+      appear_whole(data, [&](const fs::path& part) { return copy_back(backup, *sums, part, report); });
+  if (!made) return made.error();
+  return report;
 }
 
 }  // namespace server
