@@ -17,8 +17,10 @@
 namespace server {
 
 struct EventRules {
-  std::chrono::milliseconds look_every{100};  ///< news is at most this old
-  std::size_t listeners_max = 32;             ///< each holds a thread of the HTTP server
+  std::chrono::milliseconds look_every{100};      ///< news is at most this old
+  std::size_t listeners_max = 32;                 ///< each holds a thread of the HTTP server
+  std::chrono::milliseconds ask_again{2'000};     ///< whether a listener may still listen
+  std::chrono::milliseconds stream_max{600'000};  ///< then it comes back, and goes on from where it was
 };
 
 /// Writers need not know of listeners: whether there is news is asked of the database itself.
@@ -47,6 +49,7 @@ class EventHub {
   /// All jobs that were being worked at when the hub last looked.
   std::vector<JobProgress> progress();
   EventReader& reader() { return reader_; }
+  const EventRules& rules() const { return rules_; }
 
  private:
   void run();

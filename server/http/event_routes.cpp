@@ -26,7 +26,13 @@ bool is_final_state(std::string_view name) {
   return state && api::is_final(*state);
 }
 
+std::string removal_text(const JobEvent& event) {
+  const api::Json data{{"job", event.job_id}, {"at", utc_text(event.at_ms)}};
+  return "id: " + std::to_string(event.id) + "\nevent: removed\ndata: " + api::json_text(data) + "\n\n";
+}
+
 std::string event_text(const JobEvent& event) {
+  if (event.to == kRemoved) return removal_text(event);
   const api::Json data{
       {"job", event.job_id},      {"from", event.from ? api::Json(*event.from) : api::Json(nullptr)},
       {"state", event.to},        {"reason", event.reason},
@@ -50,6 +56,7 @@ std::string progress_text(const JobProgress& progress) {
 struct Followed {
   const Job* job = nullptr;
   std::optional<std::string> owner = std::nullopt;
+  std::function<bool()> still_allowed = {};
 };
 
 /// One listener's stream. Of one job it ends with the job.
@@ -57,7 +64,12 @@ class EventStream {
  public:
   EventStream(JobService& jobs, EventHub& hub, std::shared_ptr<void> place, const Followed& followed,
               std::int64_t last)
-      : jobs_(jobs), hub_(hub), place_(std::move(place)), owner_(followed.owner), last_(last) {
+      : jobs_(jobs),
+        hub_(hub),
+        place_(std::move(place)),
+        owner_(followed.owner),
+        still_allowed_(followed.still_allowed),
+        last_(last) {
     if (!followed.job) return;
     job_id_ = followed.job->id;
     job_seq_ = followed.job->seq;
@@ -69,6 +81,7 @@ class EventStream {
     begun_ = true;
     seen_ = hub_.wait(seen_, kLookUp);
     if (hub_.stopped()) return false;
+    if (!may_go_on(piece)) return false;
     const auto page = next_page();
     if (!page) return false;  // the client comes back, and asks from where it was
     for (const JobEvent& event : page->events) add(event, piece);
@@ -85,6 +98,18 @@ class EventStream {
   }
 
  private:
+  /// A token may be revoked, or expire, while somebody listens.
+  bool may_go_on(std::string& piece) {
+    const auto now = SteadyClock::now();
+    if (now - asked_ >= hub_.rules().ask_again) {
+      asked_ = now;
+      if (still_allowed_ && !still_allowed_()) return false;
+    }
+    if (now - begun_at_ < hub_.rules().stream_max) return true;
+    piece += "id: " + std::to_string(last_) + "\n\n";  // it may have heard of nothing yet
+    return false;
+  }
+
   api::Result<EventPage> next_page() {
     if (owner_) return hub_.reader().of_owner_after(*owner_, last_, kPageEvents);
     auto events = hub_.reader().after(last_, job_seq_, kPageEvents);
@@ -95,7 +120,7 @@ class EventStream {
 
   void add(const JobEvent& event, std::string& piece) {
     piece += event_text(event);
-    over_ = is_final_state(event.to);
+    over_ = is_final_state(event.to) || event.to == kRemoved;
     // What the hub saw before the job ended must not follow its end.
     if (over_)
       told_[event.job_seq] = INT64_MAX;
@@ -135,12 +160,14 @@ class EventStream {
   std::string job_id_;
   std::optional<std::int64_t> job_seq_;
   const std::optional<std::string> owner_;
+  const std::function<bool()> still_allowed_;
   std::int64_t last_;                          ///< id of the last event that was looked at
   std::map<std::int64_t, std::int64_t> told_;  ///< by job: version of the progress that was sent
   std::uint64_t seen_ = 0;                     ///< of the hub's news
   bool begun_ = false;
   bool over_ = false;
-  SteadyClock::time_point spoke_ = SteadyClock::now();
+  const SteadyClock::time_point begun_at_ = SteadyClock::now();
+  SteadyClock::time_point spoke_ = begun_at_, asked_ = begun_at_;
 };
 
 HttpAnswer stream_answer(std::shared_ptr<EventStream> stream) {
@@ -192,12 +219,13 @@ HttpAnswer follow(JobService& jobs, EventHub& hub, const HttpRequest& request, c
 void add_event_routes(Router& router, JobService& jobs, EventHub& hub) {
   router.add("GET", "/v1/events", [&jobs, &hub](const HttpRequest& request, const PathValues&) {
     const auto owner = request.sees_all ? std::nullopt : std::optional(request.owner);
-    return follow(jobs, hub, request, {nullptr, owner});
+    return follow(jobs, hub, request, {nullptr, owner, request.still_allowed});
   });
   router.add("GET", "/v1/jobs/{id}/events",
              [&jobs, &hub](const HttpRequest& request, const PathValues& values) {
                const auto job = jobs.job(values.at("id"));
-               return job ? follow(jobs, hub, request, {&*job}) : problem(job.error(), request.path);
+               return job ? follow(jobs, hub, request, {&*job, std::nullopt, request.still_allowed})
+                          : problem(job.error(), request.path);
              });
 }
 

@@ -149,6 +149,12 @@ std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
     return often;
   const bool asks = asks_for_tokens();
   request.sees_all = !asks || (token && token->scopes.has(Scope::queue_admin));
+  request.still_allowed = [this, wanted, asks, sees_all = request.sees_all,
+                           text = brought ? brought->text : std::string()] {
+    if (!wanted || !asks_for_tokens()) return true;
+    const auto now = asks ? tokens_.find(text, clock_()) : std::nullopt;
+    return now && now->scopes.has(*wanted) && now->scopes.has(Scope::queue_admin) == sees_all;
+  };
   if (!wanted || !asks) return std::nullopt;
   if (!token) return not_known(request, brought.has_value());
   const bool writes = request.method != "GET" && request.method != "HEAD";

@@ -265,13 +265,16 @@ struct HttpServer::Library {
   }
 
   HttpAnswer take_upload(const FoundRoute& found, BodyReader& body) {
-    const Place place(uploads, rules.uploads_max);
-    if (!place) return too_many_uploads();
     const std::int64_t bytes_max = rules.upload_bytes_max + kMultipartFrameBytes;
-    HttpAnswer answer = found.route->upload(current, found.values, body.reading(bytes_max, patience()));
+    HttpAnswer answer;
+    {
+      const Place place(uploads, rules.uploads_max);
+      if (!place) return too_many_uploads();
+      answer = found.route->upload(current, found.values, body.reading(bytes_max, patience()));
+    }
     if (body.too_slow()) return too_slow();
     if (body.too_large()) return too_large(static_cast<std::size_t>(bytes_max));
-    return answer;
+    return answer.later ? answer.later() : answer;
   }
 
   static HttpAnswer too_many_uploads() { return problem(503, "too many uploads at once", current.path); }

@@ -25,6 +25,8 @@ struct HttpRequest {
   std::string address = {};  ///< of the client, or of the proxy before it
   bool over_tls = false;     ///< a proxy of ours says that it came to it over TLS
   bool sees_all = false;     ///< also the jobs of other owners
+  /// Would it be let in now, to see as much? For answers that take long. None: yes.
+  std::function<bool()> still_allowed = {};
 
   std::optional<std::string> parameter(std::string_view name) const {
     for (const auto& [key, value] : query)
@@ -68,6 +70,9 @@ struct HttpAnswer {
   /// answers false soon after the server is told to stop, and an empty piece at times, so that a client that
   /// has gone is noticed.
   std::function<bool(std::string& piece)> stream;
+  /// Instead of all of this, for an upload: waits, and makes the answer. Called once the upload's place is
+  /// free for another one.
+  std::function<HttpAnswer()> later;
   std::string etag;               ///< strong, without quotes; empty: none
   bool ranges = false;            ///< ranges and conditions apply (files)
   std::optional<ByteRange> part;  ///< set by apply_conditions

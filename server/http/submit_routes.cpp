@@ -15,7 +15,6 @@ namespace {
 
 // What the multipart frame around the parts may add: boundaries and headers.
 constexpr std::int64_t kFrameBytes = 1 << 20;
-// Kept free for the database and for jobs that run.
 constexpr std::int64_t kWaitSecondsMax = 60;
 
 HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_view path) {
@@ -23,13 +22,13 @@ HttpAnswer refusal_answer(const UploadReceiver::Refusal& refusal, std::string_vi
   return problem(refusal.status, refusal.error, path);
 }
 
-/// `Prefer: wait=N`: the job as it ended, if it did in time.
-std::optional<Job> wait_for_end(JobService& jobs, const HttpRequest& request, const Job& job) {
-  const std::int64_t seconds = wait_preference(request.header("Prefer").value_or(""), kWaitSecondsMax);
-  if (seconds == 0) return std::nullopt;
-  const auto ended = jobs.wait_until_final(job.id, std::chrono::seconds(seconds));
-  if (!ended || !api::is_final(ended->state)) return std::nullopt;
-  return *ended;
+/// 200 with the job as it ended, for whoever waited for that; 202 with one that was submitted.
+HttpAnswer answer_of(JobService& jobs, const Submitted& submitted, const Job* ended = nullptr) {
+  HttpAnswer answer = ended ? json_answer(job_json(*ended), 200)
+                            : json_answer(job_json(submitted.job, *jobs.queue_positions()), 202);
+  answer.headers.emplace_back("Location", "/v1/jobs/" + submitted.job.id);
+  if (submitted.replayed) answer.headers.emplace_back("Idempotency-Replayed", "true");
+  return answer;
 }
 
 /// POST /v1/jobs, operationId submitJob.
@@ -45,11 +44,15 @@ api::Result<HttpAnswer> submit_job(JobService& jobs, const HttpRequest& request,
     if (!job) return job.error();
     submitted.job = std::move(*job);
   }
-  const auto ended = wait_for_end(jobs, request, submitted.job);
-  HttpAnswer answer = ended ? json_answer(job_json(*ended), 200)
-                            : json_answer(job_json(submitted.job, *jobs.queue_positions()), 202);
-  answer.headers.emplace_back("Location", "/v1/jobs/" + submitted.job.id);
-  if (submitted.replayed) answer.headers.emplace_back("Idempotency-Replayed", "true");
+  HttpAnswer answer = answer_of(jobs, submitted);
+  // `Prefer: wait=N`: the job as it ended, if it does in time. Nobody else waits for that: neither for this
+  // upload's place nor for its key.
+  const std::int64_t seconds = wait_preference(request.header("Prefer").value_or(""), kWaitSecondsMax);
+  if (seconds > 0)
+    answer.later = [&jobs, submitted, seconds] {
+      const auto ended = jobs.wait_until_final(submitted.job.id, std::chrono::seconds(seconds));
+      return answer_of(jobs, submitted, ended && api::is_final(ended->state) ? &*ended : nullptr);
+    };
   return answer;
 }
 
@@ -111,8 +114,11 @@ std::optional<HttpAnswer> receive_parts(const HttpRequest& request, const ReadBo
 HttpAnswer receive(const HttpRequest& request, const ReadBody& read_body, JobService& jobs,
                    const DataFolder& folder, const UploadLimits& limits, const std::optional<HeldKey>& key) {
   UploadReceiver receiver(folder, new_job_id(system_clock_ms()), limits);
-  const auto refused = is_json(request) ? receive_named_files(request, read_body, jobs, receiver)
-                                        : receive_parts(request, read_body, receiver);
+  const std::int64_t bytes = whole_number(request.header("Content-Length").value_or("")).value_or(0);
+  if (!is_json(request)) (void)receiver.reserve(bytes);
+  const auto refused = receiver.refusal() ? std::nullopt
+                       : is_json(request) ? receive_named_files(request, read_body, jobs, receiver)
+                                          : receive_parts(request, read_body, receiver);
   if (refused) return *refused;
   if (receiver.refusal()) return refusal_answer(*receiver.refusal(), request.path);
   auto upload = receiver.finish();
@@ -140,9 +146,8 @@ std::optional<HttpAnswer> refuse_upload_early(const HttpRequest& request, JobSer
   if (bytes > limits.total_bytes + kFrameBytes)
     return problem(413, "the upload is larger than " + std::to_string(limits.total_bytes) + " bytes",
                    request.path);
-  const auto free = free_bytes(folder.uploads());
-  if (free && *free < bytes + kRoomBytesMin)
-    return problem({api::Fault::disk_full, "no room for an upload"}, request.path);
+  if (const api::Status room = RoomClaim(folder.room()).reserve(bytes); !room)
+    return problem(room.error(), request.path);
   // Not where the job may be there already, whatever else is in the queue by now.
   if (request.path != kSubmitPath || request.header("Idempotency-Key")) return std::nullopt;
   if (const api::Status admitted = jobs.admit(request.owner, bytes); !admitted)

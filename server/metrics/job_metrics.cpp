@@ -20,6 +20,7 @@ double seconds_between(std::int64_t from_ms, std::int64_t to_ms) {
 JobMetrics::JobMetrics() : wait_seconds_(kBoundsSeconds) {}
 
 void JobMetrics::take(const JobEvent& event) {
+  if (event.to == kRemoved) return;
   const std::lock_guard lock(mutex_);
   if (queued_ms_.size() > kJobsMax) queued_ms_.clear();
   if (started_ms_.size() > kJobsMax) started_ms_.clear();

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """A submission that is repeated makes one job, whatever happens in between."""
+import os
 import shutil
+import subprocess
 import threading
 import unittest
 
 from curl import curl
-from service import ServiceTestCase
+from service import ServiceTestCase, wait_until
 from small_jobs import changed, write_job
 
 REPEATS = 50
@@ -45,6 +47,25 @@ class Idempotency(ServiceTestCase):
         self.assertEqual({answer.json()["id"] for answer in made}, set(self.job_ids()))
         first = [answer for answer in made if "idempotency-replayed" not in answer.headers]
         self.assertEqual(len(first), 1, "one has made it, the others were told of it")
+
+    def test_who_waits_for_the_end_keeps_neither_the_key_nor_a_place_for_uploads(self):
+        fields = [word for part in ("scene=@scene.obj", "animation=@animation.json") for word in ("-F", part)]
+        fields += [word for path in sorted(self.job.glob("*.mtl")) for word in ("-F", f"materials=@{path.name}")]
+        url = self.running.url + "/v1/jobs"
+        waiting = [subprocess.Popen(["curl", "-sS", "--max-time", "40", "-o", os.devnull, "-w", "%{http_code}",
+                                     "-H", f"Idempotency-Key: {name}", "-H", "Prefer: wait=15", *fields, url],
+                                    cwd=self.job, stdout=subprocess.PIPE, text=True) for name in "abcdef"]
+        try:
+            wait_until(lambda: len(self.job_ids()) == len(waiting), 30, "all are submitted")
+            again = self.submit(self.job, "a")
+            self.assertEqual((again.status, again.headers.get("idempotency-replayed")), (202, "true"), again.body)
+            self.assertTrue(any(process.poll() is None for process in waiting), "somebody still waits")
+            place = self.running.get("/metrics").body.decode().partition("\nkeylume_uploads_in_flight ")[2]
+            self.assertEqual(float(place.split()[0]), 0)
+        finally:
+            for process in waiting:
+                process.kill()
+                process.communicate()
 
     def test_a_repetition_after_the_server_was_killed_is_answered_with_the_same_job(self):
         first = self.submit(self.job, "key")

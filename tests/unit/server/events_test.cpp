@@ -67,8 +67,10 @@ class EventsTest : public ServiceTest {
     watch();
   }
 
-  HttpAnswer ask(const std::string& path, const std::string& last = "") {
+  HttpAnswer ask(const std::string& path, const std::string& last = "",
+                 std::function<bool()> still_allowed = {}) {
     HttpRequest request{"GET", path, {}, {}};
+    request.still_allowed = std::move(still_allowed);
     request.header = [last](std::string_view name) -> std::optional<std::string> {
       return name == "Last-Event-ID" && !last.empty() ? std::optional(last) : std::nullopt;
     };
@@ -207,6 +209,45 @@ TEST_F(EventsTest, AReadingConnectionCannotWrite) {
   ASSERT_TRUE(database);
   EXPECT_FALSE(database->execute("DELETE FROM job"));
   EXPECT_FALSE(Database::open_to_read(folder_->database().parent_path() / "none.db"));
+}
+
+TEST_F(EventsTest, AListenerIsToldOfAJobThatWasRemovedAlsoAfterItIsGone) {
+  const Job gone = submit();
+  const std::int64_t before = *reader_->newest();
+  const HttpAnswer live = ask("/v1/events");
+  run_to_failure(claim());
+  ASSERT_TRUE(jobs_->remove(gone.id));
+  const auto until_removed = [](const std::string& text) { return text.find("event: removed") != text.npos; };
+  EXPECT_NE(listen(live, until_removed).find(gone.id), std::string::npos);
+  restart_all();
+  ASSERT_TRUE(jobs_->clean_up());
+  const std::string later = listen(ask("/v1/events", std::to_string(before)), until_removed);
+  EXPECT_NE(later.find("\"job\":\"" + gone.id + "\""), std::string::npos) << later;
+  const std::int64_t removed = *reader_->newest();
+  EXPECT_TRUE(reader_->of_owner_after("somebody else", before, 10)->events.empty());
+  submit();
+  EXPECT_GT(*reader_->newest(), removed) << "its number is not used again";
+}
+
+TEST_F(EventsTest, AStreamEndsSoonAfterItsTokenIsNoLongerGood) {
+  hub_->stop();
+  watch({std::chrono::milliseconds(5), 2, std::chrono::milliseconds(0)});
+  bool allowed = true;
+  const HttpAnswer answer = ask("/v1/events", "", [&] { return allowed; });
+  ASSERT_TRUE(answer.stream);
+  const Job seen = submit();
+  (void)listen(answer, [&](const std::string& text) { return text.find(seen.id) != text.npos; });
+  allowed = false;
+  const Job unseen = submit();
+  EXPECT_EQ(to_end(answer).find(unseen.id), std::string::npos);
+}
+
+TEST_F(EventsTest, AStreamEndsAfterItsTimeAndSaysFromWhereToGoOn) {
+  hub_->stop();
+  watch({std::chrono::milliseconds(5), 2, std::chrono::seconds(2), std::chrono::milliseconds(0)});
+  submit();
+  const std::string text = to_end(ask("/v1/events"));
+  EXPECT_NE(text.find("id: " + std::to_string(*reader_->newest()) + "\n\n"), std::string::npos) << text;
 }
 
 }  // namespace

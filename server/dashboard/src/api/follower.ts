@@ -1,7 +1,7 @@
 // Follows /v1/events for as long as it lives: goes on from the last event after a break, polls where the service has
 // no place for another listener, and comes back by itself. Runs in the shared worker, or in the page without one.
 import { EventStreamParser } from "./event_stream";
-import type { JobEvent, JobProgress } from "./types";
+import type { JobEvent, JobGone, JobProgress } from "./types";
 
 export type ConnectionState =
   | { how: "connecting" }
@@ -15,6 +15,7 @@ export type ConnectionState =
 export type LiveMessage =
   | { kind: "connection"; state: ConnectionState }
   | { kind: "state"; event: JobEvent }
+  | { kind: "removed"; gone: JobGone }
   | { kind: "progress"; progress: JobProgress }
   /** Something may have been missed: look again. */
   | { kind: "refresh" };
@@ -116,6 +117,7 @@ export class Follower {
       for (const event of parser.take(decoder.decode(value, { stream: true }))) {
         if (event.id !== null) this.last = event.id;
         if (event.type === "state") this.tell({ kind: "state", event: JSON.parse(event.data) as JobEvent });
+        if (event.type === "removed") this.tell({ kind: "removed", gone: JSON.parse(event.data) as JobGone });
         if (event.type === "progress") this.tell({ kind: "progress", progress: JSON.parse(event.data) as JobProgress });
       }
     }

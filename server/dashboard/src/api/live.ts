@@ -3,13 +3,15 @@ import { Signal, type Lifetime } from "../base/signal";
 import { workerUrl } from "../base/workers";
 import { access } from "./client";
 import { Follower, type ConnectionState, type LiveMessage } from "./follower";
-import type { JobEvent, JobProgress } from "./types";
+import type { JobEvent, JobGone, JobProgress } from "./types";
 
 export type { ConnectionState } from "./follower";
 
 export interface LiveListener {
   /** A job has changed its state (and maybe more: fetch it for the rest). */
   onState?(event: JobEvent): void;
+  /** A job is gone, by whoever removed it. */
+  onRemoved?(gone: JobGone): void;
   onProgress?(progress: JobProgress): void;
   /** Something may have been missed, or there is no stream and this is the time to poll: fetch again. */
   onRefresh?(): void;
@@ -66,6 +68,7 @@ export class Live {
     }
     for (const listener of [...this.listeners]) {
       if (message.kind === "state") listener.onState?.(message.event);
+      else if (message.kind === "removed") listener.onRemoved?.(message.gone);
       else if (message.kind === "progress") listener.onProgress?.(message.progress);
       else listener.onRefresh?.();
     }

@@ -7,6 +7,7 @@ export type Job = Schemas["Job"];
 export type JobState = Schemas["JobState"];
 export type JobList = Schemas["JobList"];
 export type JobEvent = Schemas["JobEvent"];
+export type JobGone = Schemas["JobGone"];
 export type JobProgress = Schemas["JobProgress"];
 export type Queue = Schemas["Queue"];
 export type Removal = Schemas["Removal"];

@@ -78,6 +78,7 @@ function keepTrue(page: PageContext, job: Signal<Job>): void {
   };
   live.listen(page.lifetime, {
     onState: (event) => event.job === id && look(),
+    onRemoved: (gone) => gone.job === id && look(),
     onRefresh: look,
     onProgress: (progress) => {
       if (progress.job !== id) return;

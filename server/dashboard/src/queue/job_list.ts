@@ -39,6 +39,7 @@ export class JobList {
   ) {
     live.listen(lifetime, {
       onState: (event) => this.later(event.job),
+      onRemoved: (gone) => this.remove([gone.job]),
       onProgress: (progress) => this.takeProgress(progress),
       onRefresh: () => this.later(null),
     });

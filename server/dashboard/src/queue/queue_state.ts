@@ -23,7 +23,7 @@ export function queueSignal(lifetime: Lifetime): Signal<Queue | null> {
     clearTimeout(timer);
     timer = setTimeout(look, kGatherMs);
   };
-  live.listen(lifetime, { onState: soon, onRefresh: soon });
+  live.listen(lifetime, { onState: soon, onRemoved: soon, onRefresh: soon });
   lifetime.add(() => clearTimeout(timer));
   look();
   return queue;
