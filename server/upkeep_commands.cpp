@@ -53,7 +53,8 @@ Sentences wrong_files(const fs::path& data, Database& database, const std::vecto
   for (const KeptFile& file : files) {
     // Each for itself: a backup beside the data folder has given them second names.
     const api::Status same =
-        verify_file(data / "jobs" / file.job_id / file.folder(), {file.path, file.bytes, file.sha256});
+        verify_file(data / "jobs" / file.job_id / file.folder(),
+                    {file.path, file.bytes, file.sha256, file.is_input ? "input" : "artefact"});
     if (!same && still_there(database, file.job_id))
       wrong.push_back(file.job_id + ": " + same.error().message);
   }
