@@ -42,6 +42,19 @@ class Auth(ServiceTestCase):
         self.assertEqual(command("token", "revoke", "farm", "--data", str(service.data)).returncode, 0)
         self.assertEqual(self.with_token(service, token, "/v1/jobs").status, 401)
 
+    def test_a_stream_of_events_ends_with_its_token(self):
+        service = self.service()
+        self.token(service, "other")
+        token = self.token(service, "farm")
+        listener = subprocess.Popen(["curl", "-sSN", "--max-time", "60", "-H", f"Authorization: Bearer {token}",
+                                     service.url + "/v1/events"], stdout=subprocess.PIPE)
+        self.addCleanup(listener.kill)
+        self.assertEqual(listener.stdout.readline(), b"retry: 3000\n")
+        with self.assertRaises(subprocess.TimeoutExpired):
+            listener.wait(timeout=5)
+        self.assertEqual(command("token", "revoke", "farm", "--data", str(service.data)).returncode, 0)
+        self.assertEqual(listener.wait(timeout=20), 0, "ended by the service, in order")
+
     def test_scopes_hold_for_jobs(self):
         service = self.service()
         job = write_job(self.folder / "job", frames=2)

@@ -391,5 +391,21 @@ TEST_F(AuthTest, WhoMaySteerTheQueueSeesAllAndSoDoesEverybodyBeforeTheFirstToken
   EXPECT_FALSE(seen_.sees_all) << "without a token";
 }
 
+TEST_F(AuthTest, WhatTakesLongCanAskWhetherItIsStillAllowed) {
+  EXPECT_EQ(refusal(request_to("GET", "/v1/events", {})), 0);
+  const auto nobody = seen_.still_allowed;
+  EXPECT_TRUE(nobody());
+  const std::string anna = make("anna"), admin = make("admin", "jobs:read,queue:admin");
+  EXPECT_FALSE(nobody()) << "there is a token now";
+  EXPECT_EQ(refusal_with(anna, "GET", "/v1/events"), 0);
+  const auto with_token = seen_.still_allowed;
+  EXPECT_TRUE(with_token());
+  EXPECT_EQ(refusal_with(admin, "GET", "/v1/events"), 0);
+  const auto with_other = seen_.still_allowed;
+  ASSERT_TRUE(tokens_->revoke("anna"));
+  EXPECT_FALSE(with_token());
+  EXPECT_TRUE(with_other());
+}
+
 }  // namespace
 }  // namespace server
