@@ -15,6 +15,7 @@
 
 #include "api/result.h"
 #include "server/auth/scopes.h"
+#include "server/auth/sessions.h"
 
 namespace server {
 
@@ -62,6 +63,9 @@ class TokenFolder {
   /// The token with this text, if it is one of ours and has not expired.
   std::optional<Token> find(std::string_view text, std::int64_t now_ms);
 
+  /// Of browsers that have logged in with one of them, as long as this object lives.
+  Sessions& sessions() { return sessions_; }
+
  private:
   struct Known {
     Token token;
@@ -73,6 +77,7 @@ class TokenFolder {
   std::optional<Token> read(const std::string& prefix) const;
 
   std::filesystem::path folder_;
+  Sessions sessions_;
   std::mutex mutex_;
   std::map<std::string, Known, std::less<>> known_;  ///< read once, until the file changes
 };

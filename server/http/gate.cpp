@@ -11,9 +11,10 @@
 namespace server {
 namespace {
 
-constexpr std::string_view kCookie = "keylume_token";
+constexpr std::string_view kCookie = "keylume_session";
+// Browsers let nobody but this very host set or get a cookie of such a name; only over TLS.
+constexpr std::string_view kCookieOverTls = "__Host-keylume_session";
 constexpr std::string_view kChallenge = "Bearer realm=\"keylume\"";
-constexpr std::int64_t kCookieSeconds = 7 * 24 * 3600;
 
 struct RouteScope {
   std::string_view method;
@@ -37,6 +38,10 @@ constexpr std::array kScopeOfRoute{
     RouteScope{"POST", "/v1/jobs/{id}/patches/series", Scope::jobs_read},
 };
 
+std::string_view cookie_name(bool over_tls) {
+  return over_tls ? kCookieOverTls : kCookie;
+}
+
 std::optional<std::string> cookie_of(const HttpRequest& request) {
   const auto header = request.header("Cookie");
   if (!header) return std::nullopt;
@@ -44,7 +49,8 @@ std::optional<std::string> cookie_of(const HttpRequest& request) {
   while (!rest.empty()) {
     const std::string_view pair = take_member(rest, ";");
     const std::size_t equals = pair.find('=');
-    if (equals != pair.npos && pair.substr(0, equals) == kCookie) return std::string(pair.substr(equals + 1));
+    if (equals != pair.npos && pair.substr(0, equals) == cookie_name(request.over_tls))
+      return std::string(pair.substr(equals + 1));
   }
   return std::nullopt;
 }
@@ -88,10 +94,14 @@ std::optional<BroughtToken> token_of(const HttpRequest& request) {
   return std::nullopt;
 }
 
-std::string login_cookie(std::string_view token_text, bool over_tls) {
-  return std::string(kCookie) + "=" + std::string(token_text) +
-         "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" +
-         std::to_string(token_text.empty() ? 0 : kCookieSeconds) + (over_tls ? "; Secure" : "");
+std::optional<std::string> session_of(const HttpRequest& request) {
+  return cookie_of(request);
+}
+
+std::string login_cookie(std::string_view session, bool over_tls, std::int64_t seconds) {
+  return std::string(cookie_name(over_tls)) + "=" + std::string(session) +
+         "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(session.empty() ? 0 : seconds) +
+         (over_tls ? "; Secure" : "");
 }
 
 Gate::Gate(TokenFolder& tokens, GateRules rules, Clock clock)
@@ -141,7 +151,9 @@ std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
       request.address = trimmed(std::string_view(*forwarded).substr(forwarded->rfind(',') + 1));
   }
   const std::optional<Scope> wanted = scope_of(route);
-  const auto brought = token_of(request);
+  auto brought = token_of(request);
+  if (brought && brought->by_cookie)
+    brought->text = tokens_.sessions().token_of(brought->text, clock_()).value_or("");
   const auto token = brought ? tokens_.find(brought->text, clock_()) : std::nullopt;
   if (token) request.owner = token->name;
   if (auto often = refuse_too_often(request, token ? token->prefix : "from " + network_of(request.address),

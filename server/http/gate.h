@@ -56,14 +56,17 @@ class Gate {
 /// strangers do not learn which paths there are.
 std::optional<Scope> scope_of(const Route* route);
 
-/// The token that a request brings, by header or cookie; none: it brings none.
+/// The token that a request brings by its header, or the name of a login by its cookie; none: neither.
 struct BroughtToken {
   std::string text;
   bool by_cookie = false;
 };
 std::optional<BroughtToken> token_of(const HttpRequest& request);
 
-/// The cookie of the login; an empty text ends it.
-std::string login_cookie(std::string_view token_text, bool over_tls);
+/// The name of the login that a request's cookie brings.
+std::optional<std::string> session_of(const HttpRequest& request);
+
+/// The cookie of a login with that name; an empty one ends it. `seconds`: that it lasts.
+std::string login_cookie(std::string_view session, bool over_tls, std::int64_t seconds);
 
 }  // namespace server

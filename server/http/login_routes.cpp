@@ -1,4 +1,5 @@
-// Browsers cannot send a token with every picture and event stream: they get a cookie for it.
+// Browsers cannot send a token with every picture and event stream: they get a cookie for it, with the name
+// of their login.
 #include "api/json/json_text.h"
 #include "server/http/gate.h"
 #include "server/http/problem.h"
@@ -38,7 +39,9 @@ HttpAnswer log_in(TokenFolder& tokens, const HttpRequest& request, std::int64_t 
     refused.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"keylume\", error=\"invalid_token\"");
     return refused;
   }
-  return with_cookie(login_cookie(*text, request.over_tls));
+  const auto session = tokens.sessions().begin(*text, now_ms);
+  if (!session) return problem(503, session.error(), request.path);
+  return with_cookie(login_cookie(*session, request.over_tls, SessionRules().lasts_ms / 1000));
 }
 
 }  // namespace
@@ -50,8 +53,9 @@ void add_login_routes(Router& router, TokenFolder& tokens, std::function<std::in
              });
   router.limit_body("POST", "/v1/login", kBodyBytesMax);
   // operationId logOut. The token stays valid: whoever wants it gone revokes it.
-  router.add("POST", "/v1/logout", [](const HttpRequest& request, const PathValues&) {
-    return with_cookie(login_cookie("", request.over_tls));
+  router.add("POST", "/v1/logout", [&tokens](const HttpRequest& request, const PathValues&) {
+    if (const auto session = session_of(request)) tokens.sessions().end(*session);
+    return with_cookie(login_cookie("", request.over_tls, 0));
   });
 }
 

@@ -51,6 +51,11 @@ class ContractTokens(ServiceTestCase):
         self.assertEqual(self.contract.problems(exchange), [], (operation.name, headers))
         return exchange
 
+    def session(self, client, token_text):
+        login = next(operation for operation in self.contract.operations if operation.name == "logIn")
+        cookie = self.ask(client, login, [], token_text).headers["set-cookie"]
+        return cookie.split(";")[0].partition("=")[2]
+
     def test_each_operation_asks_for_the_scope_that_the_document_says(self):
         service = self.service()
         tokens = {scope: self.token(service, scope) for scope in SCOPES}
@@ -58,7 +63,7 @@ class ContractTokens(ServiceTestCase):
         for operation in self.contract.operations:
             wanted = scope_of(operation)
             with self.subTest(operation.name):
-                for headers in ([], [("Authorization", f"Bearer {STRANGER}")], [("Cookie", f"keylume_token={STRANGER}")]):
+                for headers in ([], [("Authorization", f"Bearer {STRANGER}")], [("Cookie", f"keylume_session={STRANGER}")]):
                     answer = self.ask(client, operation, headers, tokens["jobs:read"])
                     self.assertEqual(answer.status == 401, wanted is not None, answer)
                 for scope, token in tokens.items():
@@ -70,14 +75,14 @@ class ContractTokens(ServiceTestCase):
 
     def test_a_cookie_changes_nothing_without_the_origin_of_our_own_pages(self):
         service = self.service()
-        token = {scope: self.token(service, scope) for scope in SCOPES}
         client = Client(service.port)
+        session = {scope: self.session(client, self.token(service, scope)) for scope in SCOPES}
         for operation in self.contract.operations:
             wanted = scope_of(operation)
             if wanted is None:
                 continue
             with self.subTest(operation.name):
-                cookie = [("Cookie", f"keylume_token={token[wanted]}")]
+                cookie = [("Cookie", f"keylume_session={session[wanted]}")]
                 changes = operation.method != "GET"
                 self.assertEqual(self.ask(client, operation, cookie, "").status == 403, changes)
                 foreign = [*cookie, ("Origin", "http://example.com")]
