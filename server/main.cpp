@@ -175,8 +175,9 @@ int run(const Config& config) {
   add_upload_routes(router, jobs, *folder, limits);
   const GateRules gate_config = gate_rules(config);
   const HttpRules http_config = http_rules(config);
-  add_limits_route(router, {limits, http_config.uploads_max, http_config.small_body_bytes_max,
-                            EventRules().listeners_max, gate_config.rate, rules.blobs});
+  add_limits_route(
+      router, {limits, http_config.uploads_max, http_config.small_body_bytes_max, EventRules().listeners_max,
+               gate_config.rate, rules.blobs, http_config, view_rules(config), rules});
   Gate gate(tokens, gate_config, system_clock_ms);
   HttpServer http(router, gate, http_config,
                   [&](const Exchange& exchange) { tell_of_exchange(http_metrics, exchange); });

@@ -12,12 +12,12 @@
 #include "server/artefacts/radiosity_file.h"
 #include "server/http/problem.h"
 #include "server/http/result_parts.h"
+#include "server/http/routes.h"
 
 namespace server {
 namespace {
 
 constexpr std::uint64_t kPatchesPerPiece = 2048;
-constexpr std::size_t kSeriesMax = 1000;
 constexpr std::string_view kStandardErrors = "radiosity_se.npy";
 constexpr std::string_view kCsvType = "text/csv; charset=utf-8; header=present";
 

@@ -9,6 +9,7 @@
 #include "server/auth/rate_limiter.h"
 #include "server/auth/token_folder.h"
 #include "server/events/event_hub.h"
+#include "server/http/http_server.h"
 #include "server/http/message.h"
 #include "server/http/router.h"
 #include "server/http/upload_receiver.h"
@@ -28,6 +29,9 @@ void add_view_routes(Router& router, JobService& jobs, ViewService& views);
 void add_event_routes(Router& router, JobService& jobs, EventHub& hub);
 /// /v1/login, /v1/logout
 void add_login_routes(Router& router, TokenFolder& tokens, std::function<std::int64_t()> clock);
+/// Patches of one answer of GET or POST /v1/jobs/{id}/patches/series.
+inline constexpr std::size_t kSeriesMax = 1000;
+
 /// What strangers' requests are held to.
 struct ServiceLimits {
   UploadLimits upload;
@@ -36,6 +40,10 @@ struct ServiceLimits {
   std::size_t listeners = 0;
   RateRules rate;
   BlobRules blobs;
+  HttpRules http;
+  ViewRules views;
+  JobRules jobs;
+  std::int64_t stream_seconds = EventRules().stream_max.count() / 1000;
 };
 /// /v1/limits
 void add_limits_route(Router& router, const ServiceLimits& limits);

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """keylume-server backup, restore, check, gc and migrate on real data, with a server running and without."""
 import hashlib
+import sqlite3
 import subprocess
 import unittest
 
@@ -61,7 +62,6 @@ class Upkeep(ServiceTestCase):
         self.addCleanup(restored.clean_up)
         restored.start()
         self.assertIn(restored.job(long)["state"], ("queued", "running"), "it begins anew")
-
         self.assertIn(("restored",), self.rows(restored, "SELECT reason FROM event"))
         pid, = self.rows(service, "SELECT worker_pid FROM attempt")[0]
         self.assertTrue(is_alive(pid), "the worker belongs to the original")
@@ -163,6 +163,7 @@ class Upkeep(ServiceTestCase):
         go_on(check.pid)
         said, _ = check.communicate(timeout=60)
         self.assertEqual(check.returncode, 0, said)
+
     def test_a_backup_never_overwrites_and_a_damaged_one_is_not_restored(self):
         service = self.service()
         self.finished(service)
@@ -240,6 +241,11 @@ class Upkeep(ServiceTestCase):
         self.assertEqual(limits["frames_max"], 2000)
         self.assertEqual(limits["upload_bytes_max"], 2 << 30)
         self.assertIsNone(limits["requests_per_second_max"], "none on loopback")
+        self.assertIsNone(limits["stored_bytes_per_token_max"], "none by default")
+        self.assertEqual(limits["queued_jobs_per_token_max"], 10_000)
+        for name in ("idle_connections_max", "waits_at_once_max", "archive_entries_max", "views_per_job_max",
+                     "series_patches_max", "requests_answered_at_once_max", "stream_seconds_max"):
+            self.assertGreater(limits[name], 0, name)
 
 
 if __name__ == "__main__":
