@@ -221,13 +221,15 @@ def codes_in(text):
 
 
 def codes_of_errors_are_documented(document, _, root):
-    texts = [path.read_text() for folder in CODE_FOLDERS for path in sorted((Path(root) / folder).glob("*.[ch]*"))]
+    texts = [path.read_text() for folder in CODE_FOLDERS for path in sorted((Path(root) / folder).glob("*.cpp"))]
+    everywhere = [path.read_text() for folder in ("api", "server", "engine") for path in sorted((Path(root) / folder).rglob("*.[ch]*"))
+                  if path.suffix in (".cpp", ".h")]
     schema = document["components"]["schemas"]["problem_document"]
     listed = {item["const"] for item in schema["$defs"]["error"]["properties"]["code"]["oneOf"]}
     used = {code for text in texts for code in codes_in(text)}
     yield from (f"the code {code!r} is not in problem.schema.json" for code in sorted(used - listed))
     yield from (f"the code {code!r} of problem.schema.json is nowhere in the sources" for code in sorted(listed)
-                if not any(f'"{code}"' in text for text in texts))
+                if not any(re.search(rf'"{code}\b', text) for text in everywhere))
     types = set(re.findall(r'"(urn:keylume:problem:[a-z-]+)"', (Path(root) / "api/json/json_text.cpp").read_text()))
     in_schema = {item["const"] for item in schema["properties"]["type"]["oneOf"]}
     yield from (f"problem type {name} is in the code or in problem.schema.json alone" for name in sorted(types ^ in_schema))
