@@ -210,7 +210,8 @@ TEST_F(AuthTest, NobodyIsAskedBeforeThereIsATokenButForEverFromThenOn) {
 
 TEST_F(AuthTest, ACookieWritesOnlyFromOurOwnPages) {
   const std::string token = make("a");
-  const std::string cookie = "theme=dark; keylume_token=" + token + "; x=y";
+  const std::string cookie =
+      "theme=dark; keylume_session=" + *tokens_->sessions().begin(token, kNow) + "; x=y";
   const Headers bare{{"Host", "localhost:8080"}, {"Cookie", cookie}};
   Headers ours = bare, theirs = bare;
   ours["Origin"] = "http://localhost:8080";
@@ -224,6 +225,28 @@ TEST_F(AuthTest, ACookieWritesOnlyFromOurOwnPages) {
   EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", bare)), 0) << "reading needs none";
 }
 
+TEST_F(AuthTest, ACookieIsNoTokenAndEndsWithItsLoginOrItsToken) {
+  const std::string token = make("a");
+  const auto log_in = [&] {
+    HttpRequest login = request_to("POST", "/v1/login");
+    login.body = "{\"token\": \"" + token + "\"}";
+    const std::string cookie = router_.answer(login).headers.at(0).second;
+    EXPECT_EQ(cookie.find(token.substr(12)), std::string::npos) << "the token's secret stays here";
+    return Headers{{"Host", "localhost:8080"}, {"Cookie", cookie.substr(0, cookie.find(';'))}};
+  };
+  const Headers first = log_in(), second = log_in();
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", first)), 0);
+  const std::string name = first.at("Cookie").substr(first.at("Cookie").find('=') + 1);
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", {{"Authorization", "Bearer " + name}})), 401);
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", {{"Cookie", "keylume_session=" + token}})), 401);
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", {{"Cookie", "keylume_token=" + token}})), 401);
+  EXPECT_EQ(router_.answer(request_to("POST", "/v1/logout", first)).status, 204);
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", first)), 401);
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", second)), 0) << "another login goes on";
+  ASSERT_TRUE(tokens_->revoke("a"));
+  EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", second)), 401);
+}
+
 TEST_F(AuthTest, TheLoginGivesACookieThatScriptsCannotRead) {
   const std::string token = make("a");
   HttpRequest login = request_to("POST", "/v1/login");
@@ -235,7 +258,9 @@ TEST_F(AuthTest, TheLoginGivesACookieThatScriptsCannotRead) {
     EXPECT_NE(cookie.find(part), std::string::npos) << cookie;
   EXPECT_EQ(cookie.find("Secure"), std::string::npos);
   login.over_tls = true;
-  EXPECT_NE(router_.answer(login).headers.at(0).second.find("; Secure"), std::string::npos);
+  const std::string over_tls = router_.answer(login).headers.at(0).second;
+  EXPECT_NE(over_tls.find("; Secure"), std::string::npos);
+  EXPECT_TRUE(over_tls.starts_with("__Host-keylume_session=")) << over_tls;
   for (const char* body : {"", "{}", "[]", "{\"token\": 1}", "{\"token\": \"a\", \"more\": 1}"}) {
     login.body = body;
     EXPECT_EQ(router_.answer(login).status, 422) << body;
@@ -308,7 +333,8 @@ TEST_F(AuthTest, TheSchemeHasNoCaseAndOthersAreForOthers) {
   const std::string token = make("a");
   for (const char* scheme : {"Bearer ", "bearer ", "BEARER  "})
     EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", {{"Authorization", scheme + token}})), 0) << scheme;
-  const Headers behind_proxy{{"Authorization", "Basic dXNlcjpwYXNz"}, {"Cookie", "keylume_token=" + token}};
+  const Headers behind_proxy{{"Authorization", "Basic dXNlcjpwYXNz"},
+                             {"Cookie", "keylume_session=" + *tokens_->sessions().begin(token, kNow)}};
   EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", behind_proxy)), 0) << "a proxy's password is not for us";
   EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", {{"Authorization", "Basic dXNlcjpwYXNz"}})), 401);
 }

@@ -24,7 +24,7 @@ export const openLoginPage: OpenPage = ({ query, setTitle }) => {
   const form = h("form", { class: "login card", onsubmit: (event) => { event.preventDefault(); void logIn(); } },
     h("label", { for: "token" }, "Token"), token,
     h("p", { class: "muted", id: "token-help" }, "Who runs this service makes one with ", h("code", null, "keylume-server token create NAME"),
-      ". It is kept for a week in a cookie that scripts cannot read; nothing else is kept in this browser."),
+      ". It is exchanged for a login of a week at most, in a cookie that scripts cannot read; the token is not kept in this browser."),
     trouble, h("div", null, button));
 
   async function logIn(): Promise<void> {
