@@ -6,7 +6,8 @@ import { after, before, test } from "node:test";
 import { join } from "node:path";
 import { Watched, launch } from "./support/browser.mjs";
 import { sights, someJobs } from "./support/sights.mjs";
-import { Service } from "./support/service.mjs";
+import { get, submit } from "./support/jobs.mjs";
+import { Service, waitFor } from "./support/service.mjs";
 
 const { KEYLUME_BROWSER_PICTURES: folder, KEYLUME_SCREENSHOTS: readmeFolder } = process.env;
 const kVariants = {
@@ -14,7 +15,8 @@ const kVariants = {
   dark: { colorScheme: "dark" },
   narrow: { colorScheme: "light", viewport: { width: 390, height: 844 } },
 };
-const kReadme = { walk: "dashboard_walk", queue: "dashboard_queue", new_job: "dashboard_new_job" };
+/** Heights in pixels. */
+const kReadme = { walk: 1130, queue: 560, new_job: 900 };
 const kBytesMin = 5_000; // of a page that is not empty
 
 let service, browser, jobs;
@@ -49,11 +51,18 @@ for (const [variant, options] of Object.entries(kVariants)) {
 }
 
 test("the README's pictures", { skip: readmeFolder ? false : "KEYLUME_SCREENSHOTS names no folder" }, async () => {
+  await fetch(`${service.url}/v1/queue/resume`, { method: "POST" });
+  const [{ id }] = [await submit(service, jobs.garage, { name: "garage, take 2" }), await submit(service, jobs.garage, { name: "garage, take 3" })];
+  await waitFor(async () => (await get(service, `/v1/jobs/${id}`)).progress.fraction > 0.3, 120, "a job at work");
   for (const { name, path, prepare } of sights(jobs)) {
     if (!kReadme[name]) continue;
-    const watched = await Watched.open(browser, service, path, { colorScheme: "light", viewport: { width: 1280, height: 960 } });
+    const watched = await Watched.open(browser, service, path, { colorScheme: "light", viewport: { width: 1280, height: kReadme[name] } });
     await prepare(watched.page);
-    await watched.page.screenshot({ path: join(readmeFolder, `${kReadme[name]}.png`) });
+    await watched.page.evaluate(() => {
+      document.activeElement?.blur();
+      scrollTo(0, 0);
+    });
+    await watched.page.screenshot({ path: join(readmeFolder, `dashboard_${name}.png`) });
     await watched.close();
   }
 });

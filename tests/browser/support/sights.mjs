@@ -12,7 +12,7 @@ export async function someJobs(service, lighting = {}) {
   const done = await finished(service, garage, { name: "garage", labels: { project: "garage" } });
   const grouped = await finished(service, folder("grouped", { light_groups: { middle: ["lamp_0_0"] } }), { name: "lights apart" });
   await fetch(`${service.url}/v1/queue/pause`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ reason: "for a picture" }) });
-  await submit(service, folder("waiting", {}), { name: "waiting", priority: 70 });
+  await submit(service, folder("waiting", {}), { name: "small garage", priority: 70 });
   return { garage, done, grouped };
 }
 

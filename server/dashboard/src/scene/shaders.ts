@@ -155,8 +155,10 @@ float edge() {
 }
 void main() {
   if (isBack) {
-    if (what == 2) discard;  // one looks into a room from outside
-    colour = vec4(0.0, 0.0, 0.0, 1.0);
+    // One looks into a room from outside, and sees where its lamps are.
+    bool emits = what == 2 && texelFetch(reflectance, texelOf(id), 0).a > 0.5;
+    if (what == 2 && !emits) discard;
+    colour = vec4(emits ? vec3(0.7, 0.6, 0.2) : vec3(0.0), 1.0);
     return;
   }
   vec3 shown = what == 0 ? srgb(toneCurve(max(radiosity(), 0.0) * exposure)) : what == 1 ? falseColour(radiosity()) : clay();

@@ -87,9 +87,7 @@ function showTrack(context: JobContext, place: HTMLElement): void {
 
 function legend(tolerance: number | null | undefined): HTMLElement {
   const full = tolerance ? `full height is the tolerance, ${100 * tolerance} %` : "full height is the largest";
-  return h("p", { class: "timeline-legend small muted" },
-    h("span", { class: "swatch key", "aria-hidden": "true" }), "key-frame ",
-    h("span", { class: "swatch check", "aria-hidden": "true" }), "solved to check ",
-    h("span", { class: "swatch predicted", "aria-hidden": "true" }), "error predicted ",
-    h("span", { class: "swatch observed", "aria-hidden": "true" }), `observed; ${full}`);
+  const entry = (name: string, text: string): HTMLElement => h("span", null, h("span", { class: `swatch ${name}`, "aria-hidden": "true" }), ` ${text}`);
+  return h("p", { class: "timeline-legend small muted" }, entry("key", "key-frame"), entry("check", "solved to check"),
+    entry("predicted", "error predicted"), entry("observed", `observed; ${full}`));
 }
