@@ -46,8 +46,10 @@ export const kSettings: readonly SettingsGroup[] = [
   {
     title: "Patches",
     fields: [
-      { pointer: "/lighting/patch_edge_m", label: "Patch edge", help: "Surfaces are cut into patches with edges of at most this. Half the edge is four times the patches.", input: number(0.001, 10000, "m", "by preset", 0.001) },
-      { pointer: "/lighting/patch_layout", label: "Layout", help: "Adaptive: finer where shadows fall, coarser where nothing happens.", input: choice(["uniform", "uniform"], ["adaptive", "adaptive"]) },
+      { pointer: "/lighting/patch_edge_m", label: "Patch edge", help: "Surfaces are cut into patches with edges of at most this. Half the edge is four times the patches.",
+        input: number(0.001, 10000, "m", "by preset", 0.001) },
+      { pointer: "/lighting/patch_layout", label: "Layout", help: "Adaptive: finer where shadows fall, coarser where nothing happens.",
+        input: choice(["uniform", "uniform"], ["adaptive", "adaptive"]) },
       { pointer: "/lighting/patch_count_max", label: "At most", help: "Adaptive layout only.", input: number(100, 20000000, "patches", "200000", 100) },
     ],
   },
@@ -56,7 +58,8 @@ export const kSettings: readonly SettingsGroup[] = [
     fields: [
       { pointer: "/lighting/mode", label: "Mode", help: "Default: as many key-frames as the tolerance needs. Reference: every frame is solved. Paper: Table 1 of Besuievsky and Pueyo.",
         input: choice(["default", "default"], ["reference", "reference"], ["paper", "paper"], ["paper-literal", "paper-literal"], ["frame-by-frame", "frame by frame"]) },
-      { pointer: "/lighting/tolerance", label: "Tolerance", help: "Largest interpolation error, relative to the larger of the patch's radiosity and half the mean.", input: number(0.0001, 1, "", "0.05", 0.001) },
+      { pointer: "/lighting/tolerance", label: "Tolerance", help: "Largest interpolation error, relative to the larger of the patch's radiosity and half the mean.",
+        input: number(0.0001, 1, "", "0.05", 0.001) },
       { pointer: "/lighting/interpolation", label: "Interpolation", help: "Between two key-frames.", input: choice(["linear", "linear"], ["monotone-cubic", "monotone cubic"]) },
     ],
   },
