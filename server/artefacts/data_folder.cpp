@@ -75,8 +75,8 @@ api::Result<DataFolder> DataFolder::open(const std::filesystem::path& root) {
   auto lock = take_lock(folder.root_ / "LOCK");
   if (!lock) return lock.error();
   folder.lock_ = std::move(*lock);
-  folder.room_ = std::make_shared<DiskRoom>([uploads = folder.uploads()] { return free_bytes(uploads); },
-                                            kRoomBytesMin);
+  folder.room_ =
+      std::make_shared<DiskRoom>([uploads = folder.uploads()] { return free_bytes(uploads); }, kRoomBytesMin);
   for (const auto& path : {folder.root_, folder.root_.parent_path()})
     if (const api::Status synced = sync_folder(path); !synced) return synced.error();
   return folder;

@@ -63,8 +63,8 @@ api::Status sync_tree(const std::filesystem::path& folder);
 /// Moves a folder and makes it durable: all that is in it, and the move on both sides.
 api::Status move_folder(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Deletes a folder and all in it, however deep and whatever the modes; nothing to do where it does not exist.
-/// Links are removed, not followed. Nobody else may be using it.
+/// Deletes a folder and all in it, however deep and whatever the modes; nothing to do where it does not
+/// exist. Links are removed, not followed. Nobody else may be using it.
 api::Status remove_tree(const std::filesystem::path& folder);
 
 }  // namespace server

@@ -22,7 +22,7 @@ struct JobEvent {
   std::int64_t job_seq = 0;
   std::string job_id;
   std::optional<std::string> from;  ///< none: the job was submitted
-  std::string to;  ///< kRemoved: the job is gone
+  std::string to;                   ///< kRemoved: the job is gone
   std::string reason;
   std::string message;
 };

@@ -52,17 +52,20 @@ TEST(ViewRequest, ACameraOfItsOwnIsReadAsThoseOfJobs) {
 }
 
 TEST(ViewRequest, LightsOfAGroupAreMadeAsBrightAsAsked) {
-  const auto view =
-      api::parse_view_request(R"({"camera": "front", "light_gains": {"ceiling": 2, "other": [1, 0.5, 0]}})", job());
+  const auto view = api::parse_view_request(
+      R"({"camera": "front", "light_gains": {"ceiling": 2, "other": [1, 0.5, 0]}})", job());
   ASSERT_TRUE(view);
   EXPECT_EQ(view->light_gains.at("ceiling"), (api::Vec3{2, 2, 2}));
   EXPECT_EQ(view->light_gains.at("other"), (api::Vec3{1, 0.5, 0}));
   EXPECT_EQ(canonical(R"({"camera": "front", "light_gains": {"ceiling": [2, 2, 2], "other": 1}})"),
             canonical(R"({"camera": "front", "light_gains": {"ceiling": 2}})"));
-  EXPECT_EQ(canonical(R"({"camera": "front", "light_gains": {"ceiling": 1}})"), canonical(R"({"camera": "front"})"));
-  EXPECT_NE(canonical(R"({"camera": "front", "light_gains": {"ceiling": 2}})"), canonical(R"({"camera": "front"})"));
+  EXPECT_EQ(canonical(R"({"camera": "front", "light_gains": {"ceiling": 1}})"),
+            canonical(R"({"camera": "front"})"));
+  EXPECT_NE(canonical(R"({"camera": "front", "light_gains": {"ceiling": 2}})"),
+            canonical(R"({"camera": "front"})"));
   EXPECT_EQ(refused(R"({"camera": "front", "light_gains": {"celing": 1, "ceiling": -1, "other": [1, 2]}})"),
-            (std::vector<std::string>{"/light_gains/ceiling out_of_range", "/light_gains/celing unknown_light_group",
+            (std::vector<std::string>{"/light_gains/ceiling out_of_range",
+                                      "/light_gains/celing unknown_light_group",
                                       "/light_gains/other wrong_length"}));
 }
 
