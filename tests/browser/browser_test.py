@@ -56,7 +56,10 @@ def main(tests, packages):
         return 1
     install(Path(packages), npm)
     environment = {**os.environ, "KEYLUME_BROWSER_PACKAGES": packages, "KEYLUME_CHROMIUM": chromium}
-    return subprocess.run([node, "--test", tests], cwd=HERE, env=environment).returncode
+    with subprocess.Popen([node, "--test", tests], cwd=HERE, env=environment, stdout=subprocess.PIPE, text=True) as run:
+        for line in run.stdout:  # what a test says is a comment of node's report
+            print(line.removeprefix("# ") if line.startswith("# ratio: ") else line, end="", flush=True)
+    return run.returncode
 
 
 if __name__ == "__main__":
