@@ -21,7 +21,8 @@ import { DataTexture as Texture, LinearFilter, NoColorSpace, Sphere } from "thre
 export class NoWebGl extends Error {}
 
 const kPrefetchFrames = 48;
-const kStillMs = 120;
+/** Longer than any frame takes while time goes on, or smoothing would itself make it halt. */
+const kStillMs = 400;
 const kMovingTint = new Vector3(0.2, 0.55, 1);
 
 const kFirstDisplay: Display = {
