@@ -45,13 +45,19 @@ ArtefactFile read_entry(const api::Node& entry) {
   return file;
 }
 
+/// With the first place to fix: who reads why an attempt failed sees the message alone.
+api::Error told(api::Error error) {
+  if (!error.violations.empty()) error.message += " " + error.violations[0].detail;
+  return error;
+}
+
 /// `entries_max`: with more, nothing is built from it.
 api::Result<std::vector<ArtefactFile>> parse_manifest(std::string_view bytes, std::size_t entries_max) {
   constexpr std::size_t kDepth = 3;
   constexpr std::size_t kValuesBeside = 2;
   const api::JsonLimits limits{kManifestBytesMax, kDepth, kValuesBeside + kValuesOfEntry * entries_max};
   const auto document = api::parse_json(bytes, kManifest, limits);
-  if (!document) return document.error();
+  if (!document) return told(document.error());
   api::Findings findings{std::string(kManifest), {}};
   const api::Node root{&*document, "", &findings};
   std::vector<ArtefactFile> files;
@@ -61,7 +67,7 @@ api::Result<std::vector<ArtefactFile>> parse_manifest(std::string_view bytes, st
       for (std::size_t i = 0; i < list->json->size(); ++i)
         files.push_back(read_entry(api::element(*list, i)));
   }
-  if (!findings.violations.empty()) return api::refusal(kManifest, std::move(findings.violations));
+  if (!findings.violations.empty()) return told(api::refusal(kManifest, std::move(findings.violations)));
   return files;
 }
 

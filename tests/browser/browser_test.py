@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Runs one file of tests in a browser by node's own test runner.  usage: browser_test.py TOPIC_test.mjs PACKAGES_FOLDER
+With a file of another name, a program: browser_test.py PROGRAM.mjs PACKAGES_FOLDER [ARGUMENT...]
 
 PACKAGES_FOLDER, in the build folder, is where npm puts what they need.
 Environment: KEYLUME_SERVER, KEYLUME_WORKER, KEYLUME_DASHBOARD (the built one).
@@ -44,7 +45,7 @@ def install(packages, npm):
     stamp.write_text(wanted)
 
 
-def main(tests, packages):
+def main(tests, packages, *arguments):
     node, npm, chromium = program("node", "nodejs"), program("npm"), program("chromium", "chromium-browser")
     missing = what_is_missing(node, npm, chromium)
     if missing:
@@ -56,7 +57,8 @@ def main(tests, packages):
         return 1
     install(Path(packages), npm)
     environment = {**os.environ, "KEYLUME_BROWSER_PACKAGES": packages, "KEYLUME_CHROMIUM": chromium}
-    with subprocess.Popen([node, "--test", tests], cwd=HERE, env=environment, stdout=subprocess.PIPE, text=True) as run:
+    command = [node, "--test", tests] if tests.endswith("_test.mjs") else [node, tests, *arguments]
+    with subprocess.Popen(command, cwd=HERE, env=environment, stdout=subprocess.PIPE, text=True) as run:
         for line in run.stdout:  # what a test says is a comment of node's report
             print(line.removeprefix("# ") if line.startswith("# ratio: ") else line, end="", flush=True)
     return run.returncode

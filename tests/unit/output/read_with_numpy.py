@@ -74,7 +74,7 @@ def check_walk(folder):
     assert w["image_size"].tolist() == [[0, 0], [640, 360]]
     assert w["light_names"].tolist() == ["lamp"] and w["light_kind"].tolist() == [1]
     assert w["light_position"].tolist() == [[[1, 2, 3]] * 3] and w["light_direction"].tolist() == [[[0, 0, -1]] * 3]
-    assert w["up"].tolist() == [0, 0, 1] and w["fps"].tolist() == [12.5]
+    assert w["up"].tolist() == [0, 0, 1] and w["fps"].tolist() == [12.5] and w["metres_per_unit"].tolist() == [0.5]
     assert w["auto_exposure"].tolist() == [0.25] and w["half_scale"].tolist() == [2]
 
 

@@ -29,7 +29,7 @@ api::Status write_walk(const std::filesystem::path& path, const engine::Patches&
   api::ImageOptions image;
   image.camera = "side";
   return engine::write_shading_mesh_npz(
-      path, {scene, patches, animation, mesh, &rows, {image}, {{0, 0, 1}, 0.25}, 12.5, 2});
+      path, {scene, patches, animation, mesh, &rows, {image}, {{0, 0, 1}, 0.25}, 12.5, 0.5, 2});
 }
 
 }  // namespace
