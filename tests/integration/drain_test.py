@@ -15,7 +15,8 @@ class Drain(ServiceTestCase):
         service = self.service()
         body = b"a" * 20_000
         with socket.create_connection(("127.0.0.1", service.port), timeout=20) as connection:
-            connection.sendall(b"POST /v1/login HTTP/1.1\r\nHost: localhost\r\nContent-Length: 20000\r\n\r\n" + body[:10])
+            connection.sendall(b"POST /v1/jobs/batch HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+                               b"Content-Length: 20000\r\n\r\n" + body[:10])
             time.sleep(0.5)  # its thread waits for the rest
             service.process.terminate()
             wait_until(lambda: self.is_refused(service), 5, "no new connections")

@@ -2,6 +2,7 @@
 
 Needs python3-jsonschema and python3-yaml.
 """
+import gzip
 import importlib.util
 import json
 import re
@@ -206,8 +207,9 @@ class Contract:
         if exchange.status == 206 or not schema or not given.endswith("json"):
             return []
         try:
-            value = json.loads(exchange.body)
-        except ValueError as error:
+            packed = exchange.headers.get("content-encoding") == "gzip"
+            value = json.loads(gzip.decompress(exchange.body) if packed else exchange.body)
+        except (ValueError, EOFError, gzip.BadGzipFile) as error:
             return [f"the body is no JSON: {error}"] if exchange.is_whole else []
         wrong = self.errors(schema, value)
         if given == PROBLEM and isinstance(value, dict) and value.get("status") != exchange.status:
