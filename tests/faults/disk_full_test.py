@@ -2,6 +2,7 @@
 """No room: at an upload, the commit of a job, while a worker writes and publishes, when its results are taken down, at
 a blob, a view, a video, a backup, and for the log. Refused with 507, or waiting with a reason that is shown; nothing is
 lost, it goes on by itself once there is room, and the results are the bytes of a run that always had room."""
+import contextlib
 import hashlib
 import json
 import os
@@ -173,12 +174,6 @@ class DiskFull(SmallDiskTestCase):
         self.assertEqual(service.get(path, *send).status, 201)
 
     def test_a_job_that_cannot_be_committed_is_507_and_leaves_nothing(self):
-        # A write-ahead log that has been there before has room in itself; a new one needs some.
-        service = self.service("small/data")
-        self.assertEqual(service.stop(), 0)
-        with sqlite3.connect(service.data / "keylume.db") as database:
-            database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-        database.close()
         service = self.service_halting_at("folder_moved:1")
         fields = [f"scene=@{self.input / 'scene.obj'}", f"animation=@{self.input / 'animation.json'}",
                   *(f"materials=@{path}" for path in self.input.glob("*.mtl"))]
@@ -186,6 +181,9 @@ class DiskFull(SmallDiskTestCase):
                                  service.url + "/v1/jobs", *(word for field in fields for word in ("-F", field))],
                                 stdout=subprocess.PIPE, text=True)
         wait_until(lambda: is_halted(service.process.pid), 20, "the server is halted before the commit")
+        # What has been in the write-ahead log before leaves room in it; an empty one needs some.
+        with contextlib.closing(sqlite3.connect(service.data / "keylume.db")) as database:
+            self.assertEqual(database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()[0], 0)
         filler = self.fill()
         go_on(service.process.pid)
         self.assertEqual(sent.communicate(timeout=30)[0], "507", (self.folder / "answer").read_text())
