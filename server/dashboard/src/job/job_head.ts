@@ -11,6 +11,8 @@ import { progressBar } from "../queue/progress_bar";
 import { stateBadge } from "../queue/state_badge";
 
 const kActions = ["cancel", "pause", "resume", "retry"] as const;
+/** "3 min ago" goes on being true. */
+const kFactsMs = 20_000;
 type Action = (typeof kActions)[number];
 
 export function jobHead(context: JobContext): HTMLElement {
@@ -30,6 +32,8 @@ export function jobHead(context: JobContext): HTMLElement {
     shown = possible.join();
     fill(actions, possible.flatMap((action) => actionButton(job, action)));
   }));
+  const timer = setInterval(() => fill(facts, ...factsOf(context.job.value)), kFactsMs);
+  context.lifetime.add(() => clearInterval(timer));
   return element;
 }
 

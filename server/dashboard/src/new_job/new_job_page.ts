@@ -145,8 +145,13 @@ class NewJob {
       toast("Submitted.", { kind: "good" });
       navigate(`/jobs/${encodeURIComponent(job.id)}`);
     } catch (error) {
-      if (error instanceof ApiError && error.status === 422) this.showErrors(error);
-      else throw error;
+      if (error instanceof ApiError && error.status === 422) {
+        this.showErrors(error);
+        this.errors.scrollIntoView({ block: "center" });
+        toast(`Not submitted: ${count(error.errors.length, "place")} to fix.`, { kind: "bad" });
+      } else {
+        throw error;
+      }
     } finally {
       this.submit.disabled = !isWhole(this.parts);
     }

@@ -7,6 +7,10 @@ import { Lifetime, Signal } from "../base/signal";
 /** Extents of the scene per second. */
 const kWalkSpeed = 0.15;
 const kHurry = 4;
+/** In radii of the scene. */
+const kTurnRadius = 0.005;
+/** Of a notch of the wheel, in radii of the scene. */
+const kWheelStep = 0.06;
 
 /** Along the way one looks, to the right, up: of a key. */
 const kSteps: Readonly<Record<string, readonly [number, number, number]>> = {
@@ -31,11 +35,23 @@ export class CameraControl {
     this.state = new Signal(first);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = false;
-    this.controls.addEventListener("start", () => (this.moved.value = true));
+    this.controls.enableZoom = false; // it would end at the point one turns about
+    this.controls.addEventListener("start", () => {
+      this.moved.value = true;
+      // Inside, what is under the pointer stays under it: the picture's height is the angle of view, not a whole turn.
+      this.controls.rotateSpeed = this.isInside() ? -this.camera.fov / 360 : 1;
+    });
     this.controls.addEventListener("change", () => this.tell());
     this.lifetime.add(() => this.controls.dispose(), this.state.watch((state) => this.set(state)));
     this.lifetime.listen(canvas, "keydown", (event) => this.key(event, true));
     this.lifetime.listen(canvas, "keyup", (event) => this.key(event, false));
+    const wheel = (event: WheelEvent): void => {
+      event.preventDefault();
+      this.moved.value = true;
+      this.step([-Math.sign(event.deltaY), 0, 0], kWheelStep);
+    };
+    canvas.addEventListener("wheel", wheel, { passive: false });
+    this.lifetime.add(() => canvas.removeEventListener("wheel", wheel));
     this.lifetime.listen(canvas, "blur", () => this.pressed.clear());
   }
 
@@ -45,14 +61,17 @@ export class CameraControl {
 
   /** Goes on by `seconds` while keys are held. */
   walk(seconds: number): void {
-    const along = this.controls.target.clone().sub(this.camera.position).normalize();
+    const sum: [number, number, number] = [0, 0, 0];
+    for (const code of this.pressed) kSteps[code]!.forEach((part, k) => (sum[k]! += part));
+    this.step(sum, seconds * kWalkSpeed * (this.hurry ? kHurry : 1));
+  }
+
+  /** Along the way one looks, to the right, up; `radii` of the scene for 1. */
+  private step([ahead, aside, above]: readonly [number, number, number], radii: number): void {
+    const along = this.along();
     const right = along.clone().cross(this.camera.up).normalize();
-    const step = new Vector3();
-    for (const code of this.pressed) {
-      const [ahead, aside, above] = kSteps[code]!;
-      step.addScaledVector(along, ahead).addScaledVector(right, aside).addScaledVector(this.camera.up, above);
-    }
-    step.multiplyScalar(seconds * kWalkSpeed * this.bounds.radius * (this.hurry ? kHurry : 1));
+    const step = along.multiplyScalar(ahead).addScaledVector(right, aside).addScaledVector(this.camera.up, above);
+    step.multiplyScalar(radii * this.bounds.radius);
     this.camera.position.add(step);
     this.controls.target.add(step);
     this.tell();
@@ -72,11 +91,28 @@ export class CameraControl {
     this.state.value = { ...this.state.value }; // wakes the view, which asks for the next step
   }
 
+  private along(): Vector3 {
+    return this.controls.target.clone().sub(this.camera.position).normalize();
+  }
+
+  private isInside(): boolean {
+    return this.camera.position.distanceTo(this.bounds.center) < this.bounds.radius;
+  }
+
+  /** What dragging turns about: from outside the middle of the scene, inside it a point so near that one turns in place. */
+  private pivot(along: Vector3): Vector3 {
+    const { center, radius } = this.bounds;
+    const eye = this.camera.position;
+    const ahead = Math.min(Math.max(center.clone().sub(eye).dot(along), radius / 10), 4 * radius);
+    return eye.clone().addScaledVector(along, this.isInside() ? kTurnRadius * radius : ahead);
+  }
+
   /** From the controls to the signal. */
   private tell(): void {
     if (this.setting) return;
     const { position } = this.camera;
-    const { target } = this.controls;
+    // Told from afar, so that rounding the target does not turn the view.
+    const target = this.isInside() ? position.clone().addScaledVector(this.along(), this.bounds.radius) : this.controls.target;
     this.setting = true;
     this.state.value = {
       position: [position.x, position.y, position.z], target: [target.x, target.y, target.z], verticalFovDeg: this.camera.fov,
@@ -89,8 +125,8 @@ export class CameraControl {
     if (this.setting) return;
     this.setting = true;
     this.camera.position.set(...state.position);
-    // A target far enough away to be orbited: where one looks at, not one metre ahead.
     this.controls.target.set(...state.target);
+    this.controls.target.copy(this.pivot(this.along()));
     this.camera.fov = state.verticalFovDeg;
     this.camera.updateProjectionMatrix();
     this.controls.update();

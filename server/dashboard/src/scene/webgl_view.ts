@@ -209,7 +209,7 @@ class WebGlView implements LightingView {
   }
 
   private firstCamera(): CameraState {
-    return this.mesh.cameras.names.length > 0 ? this.aimed(cameraAt(this.mesh, 0, 0)) : this.fromOutside();
+    return this.mesh.cameras.names.length > 0 ? cameraAt(this.mesh, 0, 0) : this.fromOutside();
   }
 
   private fromOutside(): CameraState {
@@ -217,19 +217,9 @@ class WebGlView implements LightingView {
     return fromOutside(this.surfaces, this.mesh.up, clientWidth > 0 && clientHeight > 0 ? clientWidth / clientHeight : 1);
   }
 
-  /** What a camera looks at, as far away as the middle of the scene: orbiting goes around it. */
-  private aimed(state: CameraState): CameraState {
-    const eye = new Vector3(...state.position);
-    const along = new Vector3(...state.target).sub(eye).normalize();
-    const { center, radius } = this.bounds;
-    const far = Math.min(Math.max(center.clone().sub(eye).dot(along), radius / 10), 2 * radius);
-    const at = eye.addScaledVector(along, far);
-    return { ...state, target: [at.x, at.y, at.z] };
-  }
-
   private lead(): void {
     const camera = this.following.value === null ? -1 : this.mesh.cameras.names.indexOf(this.following.value);
-    if (camera >= 0) this.control.state.value = this.aimed(cameraAt(this.mesh, camera, this.time));
+    if (camera >= 0) this.control.state.value = cameraAt(this.mesh, camera, this.time);
   }
 
   private resize(): void {

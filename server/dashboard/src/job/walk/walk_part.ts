@@ -1,6 +1,7 @@
 // Walk: the radiosity of the whole sequence, on its surfaces, from anywhere.
 import { ApiError, messageOf } from "../../api/api_error";
 import { fill, h } from "../../base/h";
+import { addKeys } from "../../shell/keys";
 import { Signal } from "../../base/signal";
 import type { LightingView, Term } from "../../scene/lighting_view";
 import type { JobContext, LightStage, OpenJobPart } from "../job_part";
@@ -45,7 +46,7 @@ async function begin(context: JobContext, place: HTMLElement): Promise<void> {
   context.playhead.fps = mesh.fps;
   const canvas = h("canvas", {
     class: "walk-canvas", tabindex: "0",
-    "aria-label": "The lit scene. Drag to look around, scroll to come closer, W A S D Q E to walk, click a patch to plot it.",
+    "aria-label": "The lit scene. Drag to look around, scroll to go ahead, W A S D Q E to walk, click a patch to plot it.",
   });
   const frame = h("div", { class: "walk-frame" }, canvas);
   fill(place, frame);
@@ -59,6 +60,11 @@ async function begin(context: JobContext, place: HTMLElement): Promise<void> {
   fill(place, tools, frame, trouble(context, view));
   frame.append(colourLegend(context, sight), followPointer(context, stage, sight));
   context.stage.value = stage;
+  addKeys(context.lifetime, "Walk", [
+    ...[["w", "Ahead"], ["s", "Back"], ["a", "To the left"], ["d", "To the right"], ["e", "Up"], ["q", "Down"]].map(([keys, does]) => (
+      { keys: keys!, does: `${does!} (held, in the picture)`, run: () => canvas.focus() })),
+    { keys: "c", does: "Back to the job's camera", run: () => view.followCamera(mesh.cameras.names[0] ?? null) },
+  ]);
 }
 
 function connect(context: JobContext, { view, mesh, source, light }: LightStage, sight: Signal<Sight>): void {
