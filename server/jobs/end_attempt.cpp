@@ -19,8 +19,7 @@ constexpr const char* kServerRestarted = "server_restarted";
 
 /// What the worker wrote, or nothing but the outcome: which of them it is the server knows, whatever the
 /// worker says.
-std::string report_of(const std::filesystem::path& folder, const char* outcome) {
-  api::JobReport report = read_report(folder);
+std::string report_text(api::JobReport report, const char* outcome) {
   report.outcome = outcome;
   return api::job_report_json(report);
 }
@@ -140,8 +139,7 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
     case OutcomeKind::limit_exceeded: {
       const api::JobReport report = read_report(folder_.job(job.id));
       const std::string message = report.message.empty() ? why.message : report.message;
-      return store_.fail(lease, {outcome.reason, message}, outcome.end,
-                         report_of(folder_.job(job.id), "failed"));
+      return store_.fail(lease, {outcome.reason, message}, outcome.end, report_text(report, "failed"));
     }
     case OutcomeKind::disk_full:
       return wait_for_room_or_fail(job, lease, outcome);
@@ -149,7 +147,7 @@ api::Status JobService::settle(const Job& job, const Lease& lease, const Attempt
     case OutcomeKind::time_over:
     case OutcomeKind::damaged:
       return store_.fail(lease, {outcome.reason, outcome.message}, outcome.end,
-                         report_of(folder_.job(job.id), "failed"));
+                         report_text(read_report(folder_.job(job.id)), "failed"));
     case OutcomeKind::server_stopped:
     case OutcomeKind::paused:
     case OutcomeKind::not_started:
@@ -175,7 +173,7 @@ api::Status JobService::succeed(const Job& job, const Lease& lease, const Attemp
   if (results) forget_checkpoint(job);
   record_bytes(job);
   api::fault_point("results_collected");
-  api::Status kept = results ? store_.succeed(lease, *results, report_of(folder, "succeeded"))
+  api::Status kept = results ? store_.succeed(lease, *results, report_text(read_report(folder), "succeeded"))
                              : api::Status(results.error());
   api::fault_point("results_committed");
   if (kept) return kept;
@@ -204,7 +202,7 @@ api::Status JobService::wait_for_room_or_fail(const Job& job, const Lease& lease
   if (*earlier + 1 >= rules_.disk_full_attempts_max)
     return store_.fail(
         lease, {outcome.reason, "given up after " + std::to_string(*earlier + 1) + " attempts: " + message},
-        outcome.end, report_of(folder_.job(job.id), "failed"));
+        outcome.end, report_text(read_report(folder_.job(job.id)), "failed"));
   std::int64_t wait_ms = rules_.disk_full_wait_ms;
   for (std::int64_t i = 0; i < *earlier && wait_ms < rules_.disk_full_wait_ms_max; ++i) wait_ms *= 2;
   return store_.requeue(lease, {outcome.reason, message}, outcome.end, false,
@@ -219,7 +217,7 @@ api::Status JobService::try_again_or_fail(const Job& job, const Lease& lease, co
     return store_.requeue(lease, why, outcome.end, true);
   const StepReason final{outcome.reason,
                          "given up after " + std::to_string(job.attempt) + " attempts: " + why.message};
-  return store_.fail(lease, final, outcome.end, report_of(folder_.job(job.id), "failed"));
+  return store_.fail(lease, final, outcome.end, report_text(read_report(folder_.job(job.id)), "failed"));
 }
 
 api::Status JobService::take_up_again(const Orphan& orphan) {

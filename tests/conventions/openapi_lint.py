@@ -2,6 +2,8 @@
 import re
 from pathlib import Path
 
+from json_references import references
+
 METHODS = ("get", "put", "post", "delete", "patch")
 PROBLEM = "application/problem+json"
 # OpenAPI 3.1: what each object may have, and what it must.
@@ -166,17 +168,6 @@ def examples_are_valid(document, errors):
         if "encoding" in place or "multipart" in place:
             continue  # parts are files, which an example only hints at
         yield from (f"{place}: the example {str(example)[:60]!r}: {what}" for what in errors(schema, example))
-
-
-def references(node):
-    if isinstance(node, dict):
-        if isinstance(node.get("$ref"), str):
-            yield node["$ref"]
-        for value in node.values():
-            yield from references(value)
-    elif isinstance(node, list):
-        for value in node:
-            yield from references(value)
 
 
 def components_are_used(document, _):

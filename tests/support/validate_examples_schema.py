@@ -11,23 +11,14 @@ import sys
 import jsonschema
 import yaml
 
+from json_references import references
+
 API = pathlib.Path(__file__).resolve().parents[2] / "api"
 EXAMPLES = API / "examples"
 
 
 def schema(name):
     return json.loads((API / "schemas" / f"{name}.schema.json").read_text(encoding="utf-8"))
-
-
-def references(node):
-    if isinstance(node, dict):
-        if isinstance(node.get("$ref"), str):
-            yield node["$ref"]
-        for value in node.values():
-            yield from references(value)
-    elif isinstance(node, list):
-        for value in node:
-            yield from references(value)
 
 
 def resolve(reference, document):
