@@ -5,23 +5,11 @@
 
 #include "server/artefacts/npz_body.h"
 #include "server/artefacts/tar_body.h"
+#include "tests/unit/server/read_body.h"
 #include "tests/unit/server/service_fixture.h"
 
 namespace server {
 namespace {
-
-template <class Body>
-std::string read_from(Body& body, std::int64_t at, std::int64_t size, std::int64_t piece) {
-  std::string bytes, buffer(static_cast<std::size_t>(piece), '?');
-  while (size > 0) {
-    const std::int64_t got = body.read(at, buffer.data(), std::min(piece, size));
-    if (got <= 0) break;
-    bytes.append(buffer, 0, static_cast<std::size_t>(got));
-    at += got;
-    size -= got;
-  }
-  return bytes;
-}
 
 /// Every position and a length, each read by a body that has seen nothing else.
 template <class MakeBody>

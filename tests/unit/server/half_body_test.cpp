@@ -13,6 +13,7 @@
 
 #include "engine/output/npy.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/server/read_body.h"
 
 namespace server {
 namespace {
@@ -48,18 +49,6 @@ class HalfBodies : public testing::Test {
 
   tests::TemporaryFolder folder_;
 };
-
-std::string read_from(HalfBody& body, std::int64_t at, std::int64_t size, std::int64_t piece) {
-  std::string bytes, buffer(static_cast<std::size_t>(piece), '?');
-  while (size > 0) {
-    const std::int64_t got = body.read(at, buffer.data(), std::min(piece, size));
-    if (got <= 0) break;
-    bytes.append(buffer, 0, static_cast<std::size_t>(got));
-    at += got;
-    size -= got;
-  }
-  return bytes;
-}
 
 TEST_F(HalfBodies, HoldEveryValueOverTheScale) {
   HalfBody made = body();
