@@ -1,7 +1,6 @@
 #include "api/fault_point.h"
 
 #include <signal.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <charconv>
@@ -38,7 +37,8 @@ void fault_point(std::string_view name) {
   const Fault& fault = fault_asked_for();
   if (fault.name.empty() || fault.name != name) return;
   static std::atomic<unsigned> passed = 0;
-  if (++passed == fault.times) (void)::kill(::getpid(), fault.signal);
+  // To this thread: sent to the process, SIGSTOP may be taken by another while this one goes on.
+  if (++passed == fault.times) (void)::raise(fault.signal);
 }
 
 }  // namespace api
