@@ -44,7 +44,7 @@ struct MachinePace {
 JobSize size_of_job(const api::JobRequest& request, const Scene& scene, const Animation& animation,
                     std::uint64_t patches, std::uint64_t coarse_patches);
 
-/// Runs lines and rays through the scene, and updates through memory, for about 50 ms in all on one core; the
+/// Runs lines and rays through the scene, and updates through memory, for about 18 ms in all on one core; the
 /// scene's facets are made for that, unless it has more than 200,000 polygons: then a usual pace is taken.
 /// threads: those of the run; 0: all cores.
 MachinePace measure_pace(const Scene& scene, const Animation& animation, unsigned threads);
