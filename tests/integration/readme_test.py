@@ -48,7 +48,10 @@ class Readme(ServiceTestCase):
         radiosity, patches = numpy.load(fetched / "radiosity.npy"), numpy.load(fetched / "patches.npz")
         self.assertEqual(radiosity.shape, (job["frame_count"], len(patches["area_m2"]), 3))
         self.assertEqual(len(json.loads((fetched / "key_frames.json").read_text())["frames"]), job["frame_count"])
-        self.assertEqual(service.get("/v1/jobs").json()["jobs"], [], "the last command removed the job")
+        seen, removal = re.fullmatch(r"See it: (\S+)   Remove it: (.+)", watched[-1]).groups()
+        self.assertTrue(seen.endswith("/jobs/" + job["id"]), seen)
+        subprocess.run(["bash", "-c", removal], check=True, capture_output=True, timeout=20)
+        self.assertEqual(service.get("/v1/jobs").json()["jobs"], [])
 
     def test_the_curl_section_stops_when_the_job_is_refused(self):
         service = self.service()
