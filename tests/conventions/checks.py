@@ -235,7 +235,8 @@ def code_blocks(markdown):
         yield from block.replace("\\\n", " ").splitlines()
 
 
-COMMANDS = {"(", ")", "cat", "cmake", "cp", "ctest", "curl", "do", "done", "mkdir", "python3", "sleep", "until"}
+COMMANDS = {"(", ")", "cat", "cmake", "cp", "ctest", "curl", "do", "docker", "done", "echo", "mkdir", "python3",
+            "sleep", "until"}
 
 
 def first_word(line):
@@ -253,7 +254,7 @@ def documents(root):
             is_known = first in COMMANDS or first.startswith(("#", "build/")) or (root / first).is_file()
             if first and not is_known:
                 problems.append(f"{name}: no such command: {line.strip()}")
-        for path in re.findall(r"`((?:api|engine|server|tests)/[\w./-]*)`", text):
+        for path in re.findall(r"`((?:api|docker|engine|server|tests)/[\w./-]*)`", text):
             if not (root / path).exists():
                 problems.append(f"{name}: no such path: {path}")
     in_code = set(re.findall(r"^  \w+ = (\d+),", (root / "api/exit_code.h").read_text(), re.MULTILINE))
