@@ -2,6 +2,7 @@
 // gain x mix(frame before, frame after), then the rows of the mesh's matrix.
 import { FloatType, NearestFilter, Vector3, WebGLRenderTarget } from "three";
 import type { DataTexture, RawShaderMaterial, WebGLRenderer } from "three";
+import type { Grids } from "./grids";
 import type { Term } from "./lighting_view";
 import type { ShadingMesh } from "./shading_mesh";
 import { kNodeFragment, kPatchFragment } from "./shaders";
@@ -35,14 +36,17 @@ export class LightPasses {
   constructor(
     renderer: WebGLRenderer,
     private readonly mesh: ShadingMesh,
+    { placeNodes }: Grids,
   ) {
     this.sums = [target(mesh.patchCount), target(mesh.patchCount)];
-    this.nodeTarget = target(mesh.nodeCount);
+    this.nodeTarget = target(placeNodes.length);
     this.patchPass = texelShader(kPatchFragment, {
       sum: { value: null }, before: { value: null }, after: { value: null }, gain: { value: new Vector3() },
       weight: { value: 0 }, first: { value: 1 },
     });
-    const first = uintTexture(mesh.rowFirst, 1);
+    const spans = new Uint32Array(2 * placeNodes.length);
+    placeNodes.forEach((node, k) => spans.set(mesh.rowFirst.subarray(node, node + 2), 2 * k));
+    const span = uintTexture(spans, 2);
     const entries = new Uint32Array(2 * mesh.rowPatch.length);
     const weights = new Uint32Array(mesh.rowWeight.buffer, mesh.rowWeight.byteOffset, mesh.rowWeight.length);
     for (let k = 0; k < mesh.rowPatch.length; ++k) {
@@ -50,15 +54,15 @@ export class LightPasses {
       entries[2 * k + 1] = weights[k]!;
     }
     const row = uintTexture(entries, 2);
-    this.rows = [first, row];
+    this.rows = [span, row];
     this.nodePass = texelShader(kNodeFragment, {
-      patches: { value: null }, rowFirst: { value: first }, row: { value: row },
-      nodeCount: { value: mesh.nodeCount },
+      patches: { value: null }, span: { value: span }, row: { value: row },
+      placeCount: { value: placeNodes.length },
     });
     this.whole = new WholeTarget(renderer);
   }
 
-  /** [W/m^2] RGBA, kTexelsPerRow wide. */
+  /** [W/m^2] RGBA, kTexelsPerRow wide; nodes by their places, see grids.ts. */
   get patches() {
     return this.sums[0].texture;
   }

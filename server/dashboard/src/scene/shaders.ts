@@ -46,88 +46,103 @@ void main() {
 }
 `;
 
-/** Radiosity of a node: its row of the mesh's matrix times the patches. [W/m^2] */
+/** Radiosity at a place: the row of its node in the mesh's matrix times the patches. [W/m^2] */
 export const kNodeFragment = `
 precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp usampler2D;
 uniform sampler2D patches;
-uniform usampler2D rowFirst, row;
-uniform uint nodeCount;
+uniform usampler2D span, row;
+uniform uint placeCount;
 out vec4 value;
 ${kTexel}
 void main() {
-  uint node = uint((int(gl_FragCoord.y) << ${kTexelsShift}) + int(gl_FragCoord.x));
+  uint place = uint((int(gl_FragCoord.y) << ${kTexelsShift}) + int(gl_FragCoord.x));
   value = vec4(0.0);
-  if (node >= nodeCount) return;
-  uint end = texelFetch(rowFirst, texelOf(node + 1u), 0).r;
-  for (uint k = texelFetch(rowFirst, texelOf(node), 0).r; k < end; ++k) {
+  if (place >= placeCount) return;
+  uvec2 parts = texelFetch(span, texelOf(place), 0).rg;
+  for (uint k = parts.x; k < parts.y; ++k) {
     uvec2 entry = texelFetch(row, texelOf(k), 0).rg;
     value.rgb += uintBitsToFloat(entry.y) * texelFetch(patches, texelOf(entry.x), 0).rgb;
   }
 }
 `;
 
-/** `corner`: 0 .. 3 of the patch's own. A triangle's lie at (0, 0), (1, 0), (0, 1) of its cell. */
+/**
+ * `grid`: first patch, stride, first place, rows, see grids.ts; no rows for a triangle, whose corners lie at (0, 0), (1, 0),
+ * (0, 1). `corner`: in cells.
+ */
 export const kSurfaceVertex = `
 precision highp float;
 precision highp int;
-precision highp usampler2D;
 uniform mat4 modelViewMatrix, projectionMatrix;
-uniform usampler2D patchNodes;
 in vec3 position;
-in uint patchId;
-in float corner;
-flat out uvec4 nodes;
-flat out uint id;
-out vec2 cell;
+in ivec4 grid;
+in vec2 corner;
+flat out ivec4 cells;
+out vec2 place;
 out vec3 seenAt;
-${kTexel}
 void main() {
-  id = patchId;
-  nodes = texelFetch(patchNodes, texelOf(patchId), 0);
-  bool triangle = nodes.w == 0xffffffffu;
-  cell = vec2(corner == 1.0 || (corner == 2.0 && !triangle) ? 1.0 : 0.0, corner >= 2.0 ? 1.0 : 0.0);
+  cells = grid;
+  place = corner;
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
   seenAt = seen.xyz;
   gl_Position = projectionMatrix * seen;
 }
 `;
 
-/** What is drawn is chosen by `what`: 0 light, 1 false colour, 2 clay. */
+/** The cell one looks at: its patch, its first node, and where in it. */
+const kCell = `
+flat in ivec4 cells;
+in vec2 place;
+ivec2 cellAt(out vec2 inside) {
+  ivec2 count = max(ivec2(abs(cells.y), cells.w), 1);
+  vec2 within = clamp(place, vec2(0.0), vec2(count));
+  ivec2 cell = min(ivec2(within), count - 1);
+  inside = within - vec2(cell);
+  return cell;
+}
+uint patchOf(ivec2 cell) { return uint(cells.x + cell.y * cells.y + cell.x); }
+`;
+
+/**
+ * Variants are made by defines, since software runs all branches of a shader. WHAT: 0 light, 1 false colour, 2 clay;
+ * FILMIC, SMOOTH, BORDERS, MARKED: as Display says; BACK: the black backs of what has but one side.
+ */
 export const kSurfaceFragment = `
 precision highp float;
 precision highp int;
 precision highp sampler2D;
-precision highp usampler2D;
 uniform sampler2D patches, nodeValues, palette, reflectance, marked;
-uniform int what, toneMap;
-uniform bool smoothShaded, borders, isBack, hasLight;
 uniform vec4 scale;   // from, to, log, signed
 uniform float exposure, filmicScale;
 uniform vec3 tint;
-flat in uvec4 nodes;
-flat in uint id;
-in vec2 cell;
 in vec3 seenAt;
 out vec4 colour;
-${kTexel}
-vec3 node(uint n) { return texelFetch(nodeValues, texelOf(n), 0).rgb; }
-vec3 radiosity() {
-  if (!hasLight) return vec3(0.0);
-  if (!smoothShaded) return texelFetch(patches, texelOf(id), 0).rgb;
-  vec2 at = clamp(cell, 0.0, 1.0);
-  if (nodes.w == 0xffffffffu)
-    return node(nodes.x) * max(1.0 - at.x - at.y, 0.0) + node(nodes.y) * at.x + node(nodes.z) * at.y;
-  return mix(mix(node(nodes.x), node(nodes.y), at.x), mix(node(nodes.w), node(nodes.z), at.x), at.y);
+${kTexel}${kCell}
+vec3 node(int n) { return texelFetch(nodeValues, texelOf(uint(n)), 0).rgb; }
+vec3 radiosity(ivec2 cell, vec2 at) {
+#ifdef SMOOTH
+  bool triangle = cells.w == 0;
+  int low = cells.z + cell.y * (abs(cells.y) + 1) + cell.x;
+  int high = low + (triangle ? 2 : abs(cells.y) + 1);
+  vec4 share = vec4((1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), (1.0 - at.x) * at.y, at.x * at.y);
+  if (triangle) share = vec4(max(1.0 - at.x - at.y, 0.0), at, 0.0);
+  return share.x * node(low) + share.y * node(low + 1) + share.z * node(high) + share.w * node(high + (triangle ? 0 : 1));
+#else
+  return texelFetch(patches, texelOf(patchOf(cell)), 0).rgb;
+#endif
 }
 vec3 hable(vec3 x) {
   return (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.02 / 0.3;
 }
 vec3 toneCurve(vec3 x) {
-  if (toneMap == 0) return min(x, 1.0);
+#ifdef FILMIC
   return min(hable(min(filmicScale * x, 11.2)) / hable(vec3(11.2)), 1.0);
+#else
+  return min(x, 1.0);
+#endif
 }
 vec3 srgb(vec3 light) {
   return mix(12.92 * light, 1.055 * pow(max(light, 0.0), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, light));
@@ -139,34 +154,48 @@ vec3 falseColour(vec3 b) {
                           : (y - scale.x) / (scale.y - scale.x);
   return texture(palette, vec2(clamp(t, 0.002, 0.998), scale.w > 0.5 ? 0.75 : 0.25)).rgb;
 }
-vec3 clay() {
-  vec3 normal = normalize(cross(dFdx(seenAt), dFdy(seenAt)));
-  vec4 material = texelFetch(reflectance, texelOf(id), 0);
+vec3 clay(vec4 material) {
   if (material.a > 0.5) return vec3(1.0, 0.85, 0.3);
-  return srgb(material.rgb * (0.25 + 0.75 * abs(dot(normal, normalize(seenAt)))));
+  vec3 normal = normalize(cross(dFdx(seenAt), dFdy(seenAt)));
+  vec3 lit = srgb(material.rgb * (0.25 + 0.75 * abs(dot(normal, normalize(seenAt)))));
+  return mix(lit, tint, 0.45 * step(0.001, dot(tint, tint)));
 }
-float edge() {
-  vec2 wide = fwidth(cell);
-  vec2 from = min(cell, 1.0 - cell) / wide;
-  if (nodes.w == 0xffffffffu) from = vec2(min(cell.x / wide.x, cell.y / wide.y), (1.0 - cell.x - cell.y) / fwidth(cell.x + cell.y));
+float edge(vec2 at) {
+  vec2 wide = fwidth(place);
+  vec2 from = min(at, 1.0 - at) / wide;
+  if (cells.w == 0) from = vec2(min(at.x / wide.x, at.y / wide.y), (1.0 - at.x - at.y) / fwidth(place.x + place.y));
   // Cells of a few pixels would be nothing but borders.
   float room = 1.0 / max(max(wide.x, wide.y), 1e-6);
   return (1.0 - smoothstep(0.5, 1.5, min(from.x, from.y))) * smoothstep(3.0, 9.0, room);
 }
 void main() {
-  if (isBack) {
-    // One looks into a room from outside, and sees where its lamps are.
-    bool emits = what == 2 && texelFetch(reflectance, texelOf(id), 0).a > 0.5;
-    if (what == 2 && !emits) discard;
-    colour = vec4(emits ? vec3(0.7, 0.6, 0.2) : vec3(0.0), 1.0);
-    return;
-  }
-  vec3 shown = what == 0 ? srgb(toneCurve(max(radiosity(), 0.0) * exposure)) : what == 1 ? falseColour(radiosity()) : clay();
-  shown = mix(shown, tint, what == 2 ? 0.45 * step(0.001, dot(tint, tint)) : 0.0);
-  if (borders) shown *= 1.0 - 0.45 * edge();
-  float mark = texelFetch(marked, texelOf(id), 0).r;
-  if (mark > 0.0) shown = mix(shown, vec3(1.0, 0.45, 0.0), max(0.35, edge()));
+#if defined(BACK) && WHAT != 2
+  colour = vec4(0.0, 0.0, 0.0, 1.0);
+#else
+  vec2 at;
+  ivec2 cell = cellAt(at);
+#ifdef BACK
+  // One looks into a room from outside, and sees where its lamps are.
+  if (texelFetch(reflectance, texelOf(patchOf(cell)), 0).a < 0.5) discard;
+  colour = vec4(0.7, 0.6, 0.2, 1.0);
+#else
+#if WHAT == 0
+  vec3 shown = srgb(toneCurve(max(radiosity(cell, at), 0.0) * exposure));
+#elif WHAT == 1
+  vec3 shown = falseColour(radiosity(cell, at));
+#else
+  vec3 shown = clay(texelFetch(reflectance, texelOf(patchOf(cell)), 0));
+#endif
+#ifdef BORDERS
+  shown *= 1.0 - 0.45 * edge(at);
+#endif
+#ifdef MARKED
+  float mark = texelFetch(marked, texelOf(patchOf(cell)), 0).r;
+  if (mark > 0.0) shown = mix(shown, vec3(1.0, 0.45, 0.0), max(0.35, edge(at)));
+#endif
   colour = vec4(shown, 1.0);
+#endif
+#endif
 }
 `;
 
@@ -174,14 +203,16 @@ void main() {
 export const kPickFragment = `
 precision highp float;
 precision highp int;
-uniform bool isBack;
-flat in uvec4 nodes;
-flat in uint id;
-in vec2 cell;
 in vec3 seenAt;
 out vec4 colour;
+${kCell}
 void main() {
-  uint n = isBack ? 0u : id + 1u;
+#ifdef BACK
+  uint n = 0u;
+#else
+  vec2 at;
+  uint n = patchOf(cellAt(at)) + 1u;
+#endif
   colour = vec4(float(n & 255u), float((n >> 8) & 255u), float((n >> 16) & 255u), 255.0) / 255.0;
 }
 `;

@@ -1,8 +1,9 @@
-// The patches as three.js meshes: four corners for each, one mesh per object, and one for black backs.
+// The grids as three.js meshes: four corners for each, one mesh per object, and one for black backs.
 import {
   BackSide, BufferAttribute, BufferGeometry, FrontSide, GLSL3, Matrix4, Mesh, RawShaderMaterial, Sphere, Vector3,
 } from "three";
 import type { Material } from "three";
+import { outlineOf, type Grid, type Grids } from "./grids";
 import type { ShadingMesh } from "./shading_mesh";
 import { kNoNode } from "./shading_mesh";
 import { kSurfaceVertex } from "./shaders";
@@ -18,7 +19,8 @@ export interface Surface {
 export function surfaceMaterial(fragmentShader: string, uniforms: Record<string, { value: unknown }>, isBack: boolean): RawShaderMaterial {
   return new RawShaderMaterial({
     glslVersion: GLSL3, vertexShader: kSurfaceVertex, fragmentShader,
-    uniforms: { ...uniforms, isBack: { value: isBack }, tint: { value: new Vector3() } },
+    defines: isBack ? { BACK: 1, WHAT: 0 } : { WHAT: 0 },
+    uniforms: { ...uniforms, tint: { value: new Vector3() } },
     side: isBack ? BackSide : FrontSide,
     // At the edges of closed things backs would shine through between the faces: they stand back a little.
     polygonOffset: isBack, polygonOffsetFactor: 1, polygonOffsetUnits: 4,
@@ -52,18 +54,18 @@ function haveBothSides(mesh: ShadingMesh): Uint8Array {
   return Uint8Array.from({ length: mesh.patchCount }, (_, patch) => (both.has(mesh.patchFacet[patch]!) ? 1 : 0));
 }
 
-export function buildSurfaces(mesh: ShadingMesh, materialOf: (isBack: boolean) => Material): Surface[] {
+export function buildSurfaces(mesh: ShadingMesh, all: Grids, materialOf: (isBack: boolean) => Material): Surface[] {
   const both = haveBothSides(mesh);
-  const groups = new Map<string, number[]>();
-  for (let patch = 0; patch < mesh.patchCount; ++patch) {
-    const key = `${mesh.patchObject[patch]} ${both[patch]}`;
+  const groups = new Map<string, Grid[]>();
+  for (const grid of all.grids) {
+    const key = `${mesh.patchObject[grid.first]} ${both[grid.first]}`;
     const group = groups.get(key);
-    if (group) group.push(patch);
-    else groups.set(key, [patch]);
+    if (group) group.push(grid);
+    else groups.set(key, [grid]);
   }
-  return Array.from(groups, ([key, patches]) => {
+  return Array.from(groups, ([key, grids]) => {
     const [object, isBoth] = key.split(" ").map(Number) as [number, number];
-    const geometry = geometryOf(mesh, patches);
+    const geometry = geometryOf(mesh, all, grids);
     return (isBoth === 1 ? [false] : [false, true]).map((isBack) => {
       const surface = new Mesh(geometry, materialOf(isBack));
       surface.matrixAutoUpdate = false;
@@ -72,26 +74,25 @@ export function buildSurfaces(mesh: ShadingMesh, materialOf: (isBack: boolean) =
   }).flat();
 }
 
-function geometryOf(mesh: ShadingMesh, patches: readonly number[]): BufferGeometry {
-  const position = new Float32Array(12 * patches.length);
-  const patchId = new Uint32Array(4 * patches.length);
-  const corner = new Uint8Array(4 * patches.length);
+function geometryOf(mesh: ShadingMesh, all: Grids, grids: readonly Grid[]): BufferGeometry {
+  const position = new Float32Array(12 * grids.length);
+  const corner = new Float32Array(8 * grids.length);
+  const cells = new Int32Array(16 * grids.length);
   const index: number[] = [];
-  patches.forEach((patch, k) => {
-    const corners = cornerCount(mesh, patch);
-    for (let c = 0; c < 4; ++c) {
-      const node = mesh.patchNodes[4 * patch + Math.min(c, corners - 1)]!;
+  grids.forEach((grid, k) => {
+    const { first, stride, place, columns, rows, isTriangle } = grid;
+    outlineOf(all, grid).forEach((node, c) => {
       position.set(mesh.nodePosition.subarray(3 * node, 3 * node + 3), 3 * (4 * k + c));
-      patchId[4 * k + c] = patch;
-      corner[4 * k + c] = c;
-    }
+      corner.set([c === 1 || (c === 2 && !isTriangle) ? columns : 0, c >= 2 ? rows : 0], 2 * (4 * k + c));
+    });
+    for (let c = 0; c < 4; ++c) cells.set([first, stride, place, isTriangle ? 0 : rows], 4 * (4 * k + c));
     index.push(4 * k, 4 * k + 1, 4 * k + 2);
-    if (corners === 4) index.push(4 * k, 4 * k + 2, 4 * k + 3);
+    if (!isTriangle) index.push(4 * k, 4 * k + 2, 4 * k + 3);
   });
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(position, 3));
-  geometry.setAttribute("patchId", new BufferAttribute(patchId, 1));
-  geometry.setAttribute("corner", new BufferAttribute(corner, 1));
+  geometry.setAttribute("corner", new BufferAttribute(corner, 2));
+  geometry.setAttribute("grid", new BufferAttribute(cells, 4));
   geometry.setIndex(index);
   geometry.computeBoundingSphere();
   return geometry;

@@ -9,11 +9,12 @@ import type { Display, Drawn, LightingView, Picked, Term } from "./lighting_view
 import { paletteTexels } from "./palette";
 import { Marks } from "./marks";
 import { fromOutside } from "./outside";
+import { gridsOf } from "./grids";
 import { Picker } from "./picker";
 import { cameraAt, type ShadingMesh } from "./shading_mesh";
 import { kSurfaceFragment } from "./shaders";
 import { boundsOf, buildSurfaces, moves, place, surfaceMaterial, type Surface } from "./surfaces";
-import { byteTexture, rgbTexture, uintTexture } from "./texels";
+import { byteTexture, rgbTexture } from "./texels";
 import { SmoothEdges } from "./smooth_edges";
 import { kFilmicScale } from "./tone_curve";
 import { DataTexture as Texture, LinearFilter, NoColorSpace, Sphere } from "three";
@@ -84,11 +85,12 @@ class WebGlView implements LightingView {
   ) {
     this.renderer = rendererOn(canvas);
     this.smoothEdges = new SmoothEdges(this.renderer);
-    this.passes = new LightPasses(this.renderer, mesh);
+    const grids = gridsOf(mesh);
+    this.passes = new LightPasses(this.renderer, mesh, grids);
     this.marked = byteTexture(mesh.patchCount);
     this.uniforms = this.makeUniforms();
     this.materials = [false, true].map((isBack) => surfaceMaterial(kSurfaceFragment, this.uniforms, isBack));
-    this.surfaces = buildSurfaces(mesh, (isBack) => this.materials[isBack ? 1 : 0]!);
+    this.surfaces = buildSurfaces(mesh, grids, (isBack) => this.materials[isBack ? 1 : 0]!);
     place(mesh, this.surfaces, 0);
     this.bounds = boundsOf(this.surfaces);
     this.tintMovingSurfaces();
@@ -121,12 +123,12 @@ class WebGlView implements LightingView {
     const { what, exposureStops, toneMap, smooth, borders, scale, tintMoving, marks } = this.display;
     this.marks.group.visible = marks;
     const u = this.uniforms;
-    u["what"]!.value = what === "light" ? 0 : what === "false-colour" ? 1 : 2;
     u["exposure"]!.value = (this.mesh.autoExposure * 2 ** exposureStops) / Math.PI;
-    u["toneMap"]!.value = toneMap === "filmic" ? 1 : 0;
-    u["smoothShaded"]!.value = smooth;
-    u["borders"]!.value = borders;
     (u["scale"]!.value as Vector4).set(scale.from, scale.to, scale.log ? 1 : 0, scale.signed ? 1 : 0);
+    this.define({
+      WHAT: what === "light" ? 0 : what === "false-colour" ? 1 : 2,
+      FILMIC: toneMap === "filmic", SMOOTH: smooth, BORDERS: borders,
+    });
     for (const { mesh: surface, object } of this.surfaces) surface.userData["tint"] = tintMoving && moves(this.mesh, object);
     this.draw();
   }
@@ -148,6 +150,7 @@ class WebGlView implements LightingView {
     texels.fill(0);
     for (const patch of patches) if (patch < this.mesh.patchCount) texels[patch] = 255;
     this.marked.needsUpdate = true;
+    this.define({ MARKED: patches.length > 0 });
     this.draw();
   }
 
@@ -175,12 +178,21 @@ class WebGlView implements LightingView {
   private makeUniforms(): Record<string, { value: unknown }> {
     const reflectance = rgbTexture(this.mesh.patchReflectance, (patch) => this.mesh.materialEmits[this.mesh.patchMaterial[patch]!]!);
     return {
-      patchNodes: { value: uintTexture(this.mesh.patchNodes, 4) }, patches: { value: null }, nodeValues: { value: null },
+      patches: { value: null }, nodeValues: { value: null },
       palette: { value: paletteTexture() }, reflectance: { value: reflectance }, marked: { value: this.marked },
-      what: { value: 0 }, toneMap: { value: 1 }, smoothShaded: { value: true }, borders: { value: false },
-      hasLight: { value: false }, scale: { value: new Vector4(0, 1, 0, 0) },
+      scale: { value: new Vector4(0, 1, 0, 0) },
       exposure: { value: this.mesh.autoExposure / Math.PI }, filmicScale: { value: kFilmicScale },
     };
+  }
+
+  /** Shaders of another variant; those that were used before are still there. */
+  private define(changes: Record<string, number | boolean>): void {
+    for (const material of this.materials) {
+      const now = { ...material.defines, ...changes };
+      if (JSON.stringify(now) === JSON.stringify(material.defines)) continue;
+      material.defines = now;
+      material.needsUpdate = true;
+    }
   }
 
   /** The tint is set just before a surface is drawn: surfaces share their materials. */
@@ -260,11 +272,10 @@ class WebGlView implements LightingView {
   private updateLight(): void {
     this.lightChanged = false;
     if (this.terms.length === 0) {
-      this.uniforms["hasLight"]!.value = false;
+      this.uniforms["patches"]!.value = this.uniforms["nodeValues"]!.value = null; // black
       return;
     }
     if (this.passes.update(this.terms, this.time)) {
-      this.uniforms["hasLight"]!.value = true;
       this.uniforms["patches"]!.value = this.passes.patches;
       this.uniforms["nodeValues"]!.value = this.passes.nodes;
     }
