@@ -172,6 +172,12 @@ AttemptOutcome RunningAttempt::end() {
   AttemptOutcome outcome = killed_ == Killed::no || finished_anyway
                                ? outcome_of(end)
                                : outcome_of_killing({end.exit_code, end.signal, std::nullopt});
+  if (outcome.reason == "worker_crashed" && end.signal == SIGKILL &&
+      out_of_memory_kills() > memory_kills_before_) {
+    outcome.reason = "out_of_memory";
+    outcome.message =
+        "out of memory: all of this service together reached its limit, and the kernel killed the worker";
+  }
   outcome.end.ran_ms = ran_ms();
   outcome.log_tail = log_.tail();
   return outcome;

@@ -11,6 +11,7 @@
 #include "server/jobs/attempt_outcome.h"
 #include "server/jobs/job_service.h"
 #include "server/workers/child_process.h"
+#include "server/workers/control_group.h"
 #include "server/workers/progress_tail.h"
 #include "server/workers/worker_log.h"
 
@@ -102,6 +103,7 @@ class RunningAttempt {
   std::optional<api::ProgressLine> unrecorded_;
   std::int64_t processor_ticks_ = 0;
   std::string excess_;  ///< what it wrote beyond what it may
+  const std::int64_t memory_kills_before_ = out_of_memory_kills();
   const SteadyClock::time_point began_ = SteadyClock::now();
   SteadyClock::time_point last_line_ = began_;
   SteadyClock::time_point last_sign_ = began_;  ///< a line, or processor time taken

@@ -3,8 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <thread>
+
+#include "server/workers/control_group.h"
 
 namespace server {
 namespace {
@@ -12,11 +13,8 @@ namespace {
 constexpr std::int64_t kMegabyte = 1 << 20;
 
 std::int64_t memory_here() {
-  std::int64_t bytes = static_cast<std::int64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE);
-  // Of a container. The file says "max" where there is no limit, which is no number.
-  std::int64_t limit = 0;
-  if (std::ifstream("/sys/fs/cgroup/memory.max") >> limit && limit > 0) bytes = std::min(bytes, limit);
-  return bytes;
+  const std::int64_t bytes = static_cast<std::int64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE);
+  return std::min(bytes, group_memory_limit_bytes().value_or(bytes));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Sourced by engine: how this machine reaches package archives, as secrets of a build.
+# Sourced by engine: how this machine reaches package archives, as secrets and arguments of a build.
 
 # apt's own words, without what concerns its folders, hooks and how packages are unpacked.
 apt_secret() {
@@ -21,8 +21,8 @@ build_secrets() {
   chmod 700 "$folder/secrets"
   apt_secret >"$folder/secrets/apt.conf"
   npm_secret >"$folder/secrets/npmrc"
-  if [ -r "$certificates" ]; then cp "$certificates" "$folder/secrets/ca.crt"; else : >"$folder/secrets/ca.crt"; fi
-  for name in apt.conf npmrc ca.crt; do echo "--secret=id=$name,src=$folder/secrets/$name"; done
+  if [ -r "$certificates" ]; then cp "$certificates" "$folder/secrets/certificates"; else : >"$folder/secrets/certificates"; fi
+  for name in apt.conf npmrc certificates; do echo "--secret=id=$name,src=$folder/secrets/$name"; done
   # Docker knows these arguments, and keeps them out of the image's history.
   for name in http_proxy https_proxy no_proxy HTTP_PROXY HTTPS_PROXY NO_PROXY; do
     [ -z "${!name:-}" ] || echo "--build-arg=$name"
