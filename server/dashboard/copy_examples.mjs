@@ -3,7 +3,7 @@ import { copyFileSync, existsSync, mkdirSync, readdirSync, writeFileSync } from 
 import { join } from "node:path";
 
 const offered = [
-  { name: "garage", title: "Garage", description: "A toy plane flies through a garage; the light stays. Its shadow wanders over the floor. 120 frames, about a minute." },
+  { name: "garage", title: "Garage", description: "A toy plane flies through a garage; the light stays. Its shadow wanders over the floor. 120 frames." },
   { name: "cornell_box", title: "Cornell box", description: "A box moves and turns under a ceiling light between a red and a green wall." },
   { name: "room", title: "Room", description: "A lamp swings through a room with furniture." },
 ];

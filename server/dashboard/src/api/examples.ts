@@ -1,6 +1,6 @@
 // The jobs to start from that come with the dashboard.
 import { fetchBytes, get, send } from "./client";
-import type { Job } from "./types";
+import type { Job, Validation } from "./types";
 
 export interface ExampleFile {
   /** Which part of an upload it is. */
@@ -29,11 +29,20 @@ export async function fetchExample(example: Example, signal?: AbortSignal): Prom
   }));
 }
 
-/** Submits it as it is. Errors: ApiError. */
-export async function submitExample(name: string): Promise<Job> {
+async function formOf(name: string): Promise<FormData> {
   const example = (await listExamples()).find((each) => each.name === name);
   if (!example) throw new Error(`there is no example ${name} here`);
   const form = new FormData();
   for (const { field, file } of await fetchExample(example)) form.append(field, file, file.name);
-  return send("post", "/v1/jobs", { form });
+  return form;
+}
+
+/** Submits it as it is. Errors: ApiError. */
+export async function submitExample(name: string): Promise<Job> {
+  return send("post", "/v1/jobs", { form: await formOf(name) });
+}
+
+/** What it would take here. Errors: ApiError. */
+export async function forecastOfExample(name: string): Promise<Validation["forecast"]> {
+  return (await send("post", "/v1/validate", { form: await formOf(name) })).forecast;
 }

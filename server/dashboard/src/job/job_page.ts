@@ -1,12 +1,14 @@
 // One job: what it is doing, and what it has made, in parts.
 import { get } from "../api/client";
 import { ApiError, messageOf } from "../api/api_error";
-import { live } from "../api/live";
 import type { Job } from "../api/types";
 import { fill, h } from "../base/h";
 import { Signal } from "../base/signal";
 import type { OpenPage, PageContext } from "../shell/page";
+import type { JobKeeper } from "../queue/actions";
+import { navigate } from "../shell/router";
 import { tabs, type Tab } from "../shell/tabs";
+import { followJob } from "./follow_job";
 import { openImages } from "./images/images_part";
 import type { JobContext, LightStage, OpenJobPart } from "./job_part";
 import { jobHead } from "./job_head";
@@ -39,14 +41,21 @@ function showTrouble(content: HTMLElement, error: unknown): void {
   if (error instanceof DOMException) return;
   content.removeAttribute("aria-busy");
   const gone = error instanceof ApiError && error.status === 404;
-  fill(content, h("div", { class: "notice" },
-    h("p", null, gone ? "There is no such job (any more)." : messageOf(error)),
-    h("p", null, h("a", { href: "/" }, "To the queue"))));
+  showNotice(content, gone ? "There is no such job (any more)." : messageOf(error));
+}
+
+function showNotice(content: HTMLElement, text: string): void {
+  fill(content, h("div", { class: "notice" }, h("p", { role: "status" }, text), h("p", null, h("a", { href: "/" }, "To the queue"))));
 }
 
 function showJob(page: PageContext, content: HTMLElement, first: Job): void {
   const job = new Signal(first);
-  keepTrue(page, job);
+  const look = followJob(job, page.lifetime, () => showNotice(content, "This job was deleted."));
+  const keeper: JobKeeper = {
+    put: (now) => (job.value = now),
+    remove: (ids) => ids.includes(first.id) && navigate("/"),
+    reload: look,
+  };
   const context: JobContext = {
     id: first.id,
     job,
@@ -57,7 +66,7 @@ function showJob(page: PageContext, content: HTMLElement, first: Job): void {
   page.lifetime.add(job.watch((now) => page.setTitle(now.name || now.id)));
   keepInAddress(context.playhead, page.lifetime);
   content.removeAttribute("aria-busy");
-  fill(content, jobHead(context), tabs("Parts of the job", [
+  fill(content, jobHead(context, keeper), tabs("Parts of the job", [
     part("walk", "Walk", context, [openWalk, openTimeline, openProbe, openRelight]),
     part("images", "Images and video", context, [openImages]),
     part("report", "Report", context, [openReport]),
@@ -66,24 +75,4 @@ function showJob(page: PageContext, content: HTMLElement, first: Job): void {
 
 function part(name: string, label: string, context: JobContext, parts: readonly OpenJobPart[]): Tab {
   return { name, label, open: () => h("div", { class: `job-${name}` }, parts.map((open) => open(context))) };
-}
-
-/** By events between fetches: progress alone is patched in, a change of state is looked up. */
-function keepTrue(page: PageContext, job: Signal<Job>): void {
-  const { id } = job.value;
-  const look = (): void => {
-    get("/v1/jobs/{id}", { path: { id } }).then((now) => {
-      if (!page.lifetime.ended) job.value = now;
-    }, () => {}); // the header says that the service is away; the next refresh looks again
-  };
-  live.listen(page.lifetime, {
-    onState: (event) => event.job === id && look(),
-    onRemoved: (gone) => gone.job === id && look(),
-    onRefresh: look,
-    onProgress: (progress) => {
-      if (progress.job !== id) return;
-      const { stage, stage_fraction, fraction, seconds_left } = progress;
-      job.value = { ...job.value, attempt: progress.attempt, progress: { stage: stage as Job["progress"]["stage"], stage_fraction, fraction, seconds_left } };
-    },
-  });
 }

@@ -1,5 +1,7 @@
 // How the queue treats the job: api/schemas/job_options.schema.json.
+import type { Job } from "../api/types";
 import { h } from "../base/h";
+import { labelsOf, labelsText } from "../base/labels";
 
 const kSecondsPerDay = 86_400;
 
@@ -7,15 +9,8 @@ export interface JobOptionsForm {
   readonly element: HTMLElement;
   /** Only what was set. */
   values(): Record<string, unknown>;
-}
-
-/** "project=garage, take=3" -> { project: "garage", take: "3" } */
-function labelsOf(text: string): Record<string, string> {
-  const pairs = text.split(",").map((pair) => pair.trim()).filter((pair) => pair !== "");
-  return Object.fromEntries(pairs.map((pair) => {
-    const [name = "", ...value] = pair.split("=");
-    return [name.trim(), value.join("=").trim()];
-  }));
+  /** As another job has them. */
+  start(job: Job): void;
 }
 
 export function jobOptionsForm(changed: () => void): JobOptionsForm {
@@ -32,11 +27,18 @@ export function jobOptionsForm(changed: () => void): JobOptionsForm {
       line("Name", name, "For people."), line("Priority", priority, "0 to 100; higher is sooner. A minute of waiting is worth a point."),
       line("Labels", labels, "To find it by."), line("Keep for", days, "Days after it finished; then it is removed."),
       h("label", { class: "setting" }, h("span", null, pinned, " Pinned"), h("span", { class: "muted small" }, "Never removed by itself.")))),
+    start(job) {
+      name.value = job.name;
+      priority.value = String(job.priority);
+      labels.value = labelsText(job.labels);
+      days.value = job.ttl_seconds === null ? "" : String(job.ttl_seconds / kSecondsPerDay);
+      pinned.checked = job.pinned;
+    },
     values: () => ({
       ...(name.value.trim() ? { name: name.value.trim() } : {}),
       ...(priority.value ? { priority: Number(priority.value) } : {}),
       ...(labels.value.trim() ? { labels: labelsOf(labels.value) } : {}),
-      ...(days.value ? { ttl_seconds: Number(days.value) * kSecondsPerDay } : {}),
+      ...(days.value ? { ttl_seconds: Math.round(Number(days.value) * kSecondsPerDay) } : {}),
       ...(pinned.checked ? { pinned: true } : {}),
     }),
   };

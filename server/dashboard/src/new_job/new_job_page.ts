@@ -1,10 +1,12 @@
 // New job: files, what they show, what it will cost, settings, submit.
 import { ApiError, messageOf } from "../api/api_error";
-import { send } from "../api/client";
+import { get, send } from "../api/client";
 import { curlOf } from "../api/curl";
 import { fetchExample, listExamples } from "../api/examples";
+import { fetchInputs } from "../api/job_inputs";
 import type { ProblemError, Validation } from "../api/types";
-import { bytes, count, duration } from "../base/format";
+import { forecastText } from "../base/forecast";
+import { bytes, count } from "../base/format";
 import { fill, h } from "../base/h";
 import { copyCurlButton } from "../shell/copy_curl";
 import type { OpenPage, PageContext } from "../shell/page";
@@ -15,7 +17,7 @@ import { jobOptionsForm } from "./job_options_form";
 import { previewOf } from "./preview_request";
 import { scenePreview } from "./scene_preview";
 import { settingsForm } from "./settings_form";
-import { formOf, isWhole, missing, withFiles, withSettings, type Part } from "./upload";
+import { animationOf, formOf, isWhole, missing, withFiles, withSettings, type Part } from "./upload";
 import "./new_job.css";
 
 /** A setting is checked when nothing has been typed for so long. */
@@ -33,6 +35,8 @@ class NewJob {
   private animation: Record<string, unknown> | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private asked = new AbortController();
+  /** Of the page. */
+  private readonly over = new AbortController();
   private readonly files = h("ul", { class: "file-list", "aria-label": "Files of the job" });
   private readonly hint = h("p", { class: "muted", role: "status" });
   private readonly errors = h("div", { class: "job-errors", role: "alert" });
@@ -45,7 +49,7 @@ class NewJob {
 
   constructor(context: PageContext) {
     this.preview = scenePreview(context.lifetime);
-    context.lifetime.add(() => clearTimeout(this.timer), () => this.asked.abort());
+    context.lifetime.add(() => clearTimeout(this.timer), () => this.asked.abort(), () => this.over.abort());
     this.element = h("form", {
       class: "new-job", novalidate: true, onsubmit: (event) => {
         event.preventDefault();
@@ -57,6 +61,18 @@ class NewJob {
       h("div", { class: "row new-job-send" }, this.submit, copyCurlButton(() => this.curl(), "submit this job"), this.forecast));
     this.settings.start(null);
     this.show();
+    const from = context.query.get("from");
+    if (from) void this.takeFrom(from).catch((error: unknown) => this.showErrors(error));
+  }
+
+  /** The files and settings of another job, to begin with. */
+  private async takeFrom(id: string): Promise<void> {
+    this.hint.textContent = "Fetching the files of the other job…";
+    const [job, files] = await Promise.all([get("/v1/jobs/{id}", { path: { id } }), fetchInputs(id, this.over.signal)]);
+    if (this.over.signal.aborted) return;
+    this.options.start(job);
+    await this.take(withFiles([], files).parts);
+    this.hint.textContent = `Files and settings are those of ${job.name || job.id}. Change what you like.`;
   }
 
   private async add(files: readonly File[]): Promise<void> {
@@ -70,7 +86,7 @@ class NewJob {
     this.parts = parts;
     const animation = parts.find(({ field }) => field === "animation")?.file;
     if (animation !== before) {
-      this.animation = animation ? parsed(await animation.text()) : null;
+      this.animation = await animationOf(parts);
       this.settings.start(this.animation);
     }
     this.show();
@@ -122,7 +138,7 @@ class NewJob {
     this.settings.showErrors([]);
     fill(this.errors);
     fill(this.forecast, h("dl", { class: "forecast-facts", "aria-label": "Forecast" },
-      h("dt", null, "Takes about"), h("dd", null, duration(forecast.seconds)),
+      h("dt", null, "Takes"), h("dd", null, forecastText(forecast)),
       h("dt", null, "memory"), h("dd", null, bytes(forecast.memory_bytes)),
       h("dt", null, "for"), h("dd", null, `${count(forecast.patches, "patch", "patches")}, ${count(forecast.frames, "frame")}, ${count(forecast.polygons, "polygon")}`)));
     fill(this.warnings, warnings.map((text) => h("p", { class: "warn small" }, text)));
@@ -173,15 +189,6 @@ class NewJob {
       await this.take((await fetchExample(example)).map(({ field, file }) => ({ field, file })));
     };
     return place;
-  }
-}
-
-function parsed(text: string): Record<string, unknown> | null {
-  try {
-    const value: unknown = JSON.parse(text);
-    return typeof value === "object" && value !== null && !Array.isArray(value) ? (value as Record<string, unknown>) : null;
-  } catch {
-    return null; // the check says where it is no JSON
   }
 }
 

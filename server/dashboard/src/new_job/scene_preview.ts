@@ -3,7 +3,8 @@ import { fill, h } from "../base/h";
 import { Lifetime } from "../base/signal";
 import { readShadingMesh, type ShadingMesh } from "../scene/shading_mesh";
 import { Playhead } from "../job/playhead";
-import { startPlayer, toggle } from "../job/timeline/player";
+import { frameSlider, playButton } from "../job/timeline/play_controls";
+import { startPlayer } from "../job/timeline/player";
 
 export interface ScenePreview {
   readonly element: HTMLElement;
@@ -43,25 +44,7 @@ function open(place: HTMLElement, mesh: ShadingMesh, create: typeof import("../s
   const playhead = new Playhead(mesh.frameCount, mesh.fps);
   startPlayer(playhead, lifetime);
   lifetime.add(playhead.time.watch((time) => view.setTime(time)));
-  fill(tools, playButton(playhead, lifetime), slider(playhead, lifetime), cameraChoice(mesh, view, lifetime));
-}
-
-function playButton(playhead: Playhead, lifetime: Lifetime): HTMLElement {
-  const button = h("button", { onclick: () => toggle(playhead) });
-  lifetime.add(playhead.playing.watch((playing) => (button.textContent = playing ? "Stop" : "Play")));
-  return button;
-}
-
-function slider(playhead: Playhead, lifetime: Lifetime): HTMLElement {
-  const input = h("input", {
-    type: "range", class: "preview-slider", min: 0, max: playhead.frameCount - 1, step: 1, value: 0, "aria-label": "Frame",
-    oninput: () => {
-      playhead.playing.value = false;
-      playhead.time.value = Number(input.value);
-    },
-  });
-  lifetime.add(playhead.time.watch(() => (input.value = String(playhead.frame))));
-  return input;
+  fill(tools, playButton(playhead, lifetime), frameSlider(playhead, lifetime), cameraChoice(mesh, view, lifetime));
 }
 
 function cameraChoice(mesh: ShadingMesh, view: ReturnType<typeof import("../scene/webgl_view").createLightingView>, lifetime: Lifetime): HTMLElement {

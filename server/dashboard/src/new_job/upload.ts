@@ -50,6 +50,18 @@ export function missing(parts: readonly Part[]): string {
 
 type Json = Record<string, unknown>;
 
+/** What animation.json says; null: there is none, none that is JSON, or it is in an archive. */
+export async function animationOf(parts: readonly Part[]): Promise<Json | null> {
+  const file = parts.find(({ field }) => field === "animation")?.file;
+  if (!file) return null;
+  try {
+    const value: unknown = JSON.parse(await file.text());
+    return typeof value === "object" && value !== null && !Array.isArray(value) ? (value as Json) : null;
+  } catch {
+    return null; // the check says where it is no JSON
+  }
+}
+
 /** Values of the form by JSON pointer ("/lighting/preset"); undefined: as the file says. */
 export type Settings = Readonly<Record<string, unknown>>;
 

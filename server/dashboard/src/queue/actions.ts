@@ -7,7 +7,15 @@ import { bytes, count } from "../base/format";
 import { h } from "../base/h";
 import { confirmDialog, openDialog } from "../shell/dialog";
 import { toast, toastError } from "../shell/toast";
-import type { JobList } from "./job_list";
+
+/** Who shows jobs, and is told what has become of them. */
+export interface JobKeeper {
+  /** A job as an action has answered it. */
+  put(job: Job): void;
+  remove(ids: readonly string[]): void;
+  /** Something has changed: look again. */
+  reload(): Promise<void>;
+}
 
 export type BatchAction = "cancel" | "pause" | "resume" | "retry" | "delete";
 
@@ -30,7 +38,7 @@ const kBatchMax = 200;
 const kAtOnce = 6;
 
 /** Does it to those of `jobs` it can be done to; asks first where something is lost. */
-export async function perform(action: BatchAction, jobs: readonly Job[], list: JobList): Promise<void> {
+export async function perform(action: BatchAction, jobs: readonly Job[], keeper: JobKeeper): Promise<void> {
   const meant = jobs.filter(actions[action].possible).slice(0, kBatchMax);
   if (meant.length === 0) return;
   try {
@@ -38,8 +46,8 @@ export async function perform(action: BatchAction, jobs: readonly Job[], list: J
     if (action === "cancel" && !(await agreeToCancel(meant))) return;
     const { results } = await send("post", "/v1/jobs/batch", { json: { ids: meant.map((job) => job.id), action } });
     tell(action, results);
-    if (action === "delete") list.remove(results.filter(({ status }) => status < 300).map(({ id }) => id));
-    await list.reload();
+    if (action === "delete") keeper.remove(results.filter(({ status }) => status < 300).map(({ id }) => id));
+    await keeper.reload();
   } catch (error) {
     toastError(error, actions[action].label);
   }
@@ -96,7 +104,7 @@ function namesOf(jobs: readonly Job[]): HTMLElement {
   return h("ul", null, jobs.slice(0, kNamesMax).map((job) => h("li", null, job.name || job.id)), more > 0 ? h("li", null, `and ${more} more`) : null);
 }
 
-export async function setPriority(jobs: readonly Job[], list: JobList): Promise<void> {
+export async function setPriority(jobs: readonly Job[], keeper: JobKeeper): Promise<void> {
   const meant = jobs.filter((job) => !isFinal(job.state));
   if (meant.length === 0) return;
   const input = h("input", { id: "priority", type: "number", min: 0, max: 100, required: true, value: meant[0]!.priority });
@@ -106,24 +114,24 @@ export async function setPriority(jobs: readonly Job[], list: JobList): Promise<
         h("p", { class: "field-help" }, "Higher ones start first; 50 is usual. Jobs that run already go on.")),
       h("div", { class: "dialog-actions" }, h("button", { type: "button", onclick: () => close("") }, "Cancel"), h("button", { class: "primary" }, "Set"))),
   ]);
-  if (answer === "set") await change(meant, { priority: Number(input.value) }, list);
+  if (answer === "set") await change(meant, { priority: Number(input.value) }, keeper);
 }
 
-export async function setPinned(jobs: readonly Job[], pinned: boolean, list: JobList): Promise<void> {
-  await change(jobs, { pinned }, list);
+export async function setPinned(jobs: readonly Job[], pinned: boolean, keeper: JobKeeper): Promise<void> {
+  await change(jobs, { pinned }, keeper);
 }
 
-async function change(jobs: readonly Job[], what: { priority?: number; pinned?: boolean }, list: JobList): Promise<void> {
+async function change(jobs: readonly Job[], what: { priority?: number; pinned?: boolean }, keeper: JobKeeper): Promise<void> {
   const failures: unknown[] = [];
   await eachOf(jobs, async ({ id }) => {
     try {
-      list.put(await send("patch", "/v1/jobs/{id}", { path: { id }, json: what }));
+      keeper.put(await send("patch", "/v1/jobs/{id}", { path: { id }, json: what }));
     } catch (error) {
       failures.push(error);
     }
   });
   if (failures.length > 0) toast(`${count(failures.length, "job")} not changed: ${messageOf(failures[0])}`, { kind: "bad" });
-  await list.reload();
+  await keeper.reload();
 }
 
 /** All, but few at a time: there may be a limit on how often one may ask. */

@@ -1,6 +1,7 @@
 // What is shown: by state, by label, by words. In the address, so that it can be kept and sent on.
 import { kJobStates, type Queue } from "../api/types";
 import { h } from "../base/h";
+import { labelFilters } from "../base/labels";
 import { stateWords } from "./state_badge";
 import type { Filter } from "./job_list";
 
@@ -34,17 +35,24 @@ function keepInAddress(filter: Filter): void {
 export function filters(first: Filter, changed: (filter: Filter) => void): Filters {
   const options = kJobStates.map((state) => h("option", { value: state }, stateWords[state]));
   const state = h("select", { "aria-label": "State" }, h("option", { value: "" }, "All states"), options);
-  const label = h("input", { type: "search", "aria-label": "Label", placeholder: "Label, name:value", maxlength: 128 });
+  const label = h("input", { type: "search", "aria-label": "Labels", placeholder: "project=garage, take=3", maxlength: 256 });
   const text = h("input", { type: "search", "aria-label": "Search in names, ids, owners and labels", placeholder: "Search", maxlength: 128 });
+  const markWrong = (): void => {
+    const { wrong } = labelFilters(label.value);
+    label.setAttribute("aria-invalid", String(wrong.length > 0));
+    label.title = wrong.length > 0 ? `No label is called ${wrong.join(", ")}` : "Labels as name=value or a name alone; several with commas between";
+  };
   const set = (filter: Filter): void => {
     state.value = filter.state;
     label.value = filter.label;
     text.value = filter.text;
+    markWrong();
   };
   set(first);
   let timer: ReturnType<typeof setTimeout> | undefined;
   const tell = (): void => {
     const filter = { state: state.value, label: label.value.trim(), text: text.value.trim() };
+    markWrong();
     keepInAddress(filter);
     changed(filter);
   };

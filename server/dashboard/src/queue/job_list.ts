@@ -2,14 +2,15 @@
 import { get } from "../api/client";
 import { live } from "../api/live";
 import type { Job, JobProgress } from "../api/types";
+import { isLabel, labelFilters, labelsText } from "../base/labels";
 import { Signal, type Lifetime } from "../base/signal";
 
 export interface Filter {
   /** A state, or "" for all. */
   state: string;
-  /** NAME or NAME:VALUE, or "". */
+  /** name=value or a name alone, several with commas between; all must fit. */
   label: string;
-  /** Words that all must stand in the name, the id, the owner or a label. */
+  /** Words that all must stand in the name, the id, the owner or a label; name=value is a label. */
   text: string;
 }
 
@@ -17,6 +18,10 @@ export type ListState = "loading" | "shown" | "failed";
 
 const kPage = 50;
 const kPageMax = 200;
+/** The service knows states and labels, not words: for those jobs are fetched and looked at, so many at one go. */
+const kSearchedAtOnce = 2_000;
+const kFoundEnough = 50;
+const kLabelsMax = 8; // of one request
 const kGatherMs = 150; // changes come in bursts: one request answers for many
 
 export class JobList {
@@ -24,6 +29,8 @@ export class JobList {
   readonly jobs = new Signal<readonly Job[]>([]);
   readonly state = new Signal<ListState>("loading");
   readonly more = new Signal(false);
+  /** Further pages are being fetched, because too few jobs have the words that are sought. */
+  readonly searching = new Signal(false);
   /** Of the last request that failed. */
   error: unknown = null;
   private readonly known = new Map<string, Job>();
@@ -57,11 +64,15 @@ export class JobList {
   }
 
   setFilter(next: Filter): void {
-    const other = next.state !== this.filter.state || next.label !== this.filter.label;
+    const before = JSON.stringify(this.query(0));
     this.filter = next;
-    if (!other) return this.publish();
+    if (JSON.stringify(this.query(0)) === before) {
+      this.publish();
+      return void this.search();
+    }
     this.known.clear();
     this.order = [];
+    this.cursor = null;
     this.state.value = "loading";
     void this.reload();
   }
@@ -74,22 +85,49 @@ export class JobList {
       const page = await get("/v1/jobs", { query: this.query(limit) });
       if (mine !== this.asked || this.lifetime.ended) return;
       const fresh = page.jobs.map((job) => job.id);
-      // What lies beyond the window asked for stays as it was.
-      const rest = page.next_cursor === null ? [] : this.order.slice(limit).filter((id) => !fresh.includes(id));
+      const rest = page.next_cursor === null ? [] : this.beyond(fresh);
       if (rest.length === 0) this.cursor = page.next_cursor;
       this.take(page.jobs, [...fresh, ...rest]);
+      void this.search();
     } catch (error) {
       if (mine === this.asked && !this.lifetime.ended) this.fail(error);
     }
   }
 
+  /** What lies beyond the window that was asked for stays as it was. */
+  private beyond(fresh: readonly string[]): string[] {
+    const here = new Set(fresh);
+    const last = [...this.order].reverse().find((id) => here.has(id));
+    return last === undefined ? [] : this.order.slice(this.order.indexOf(last) + 1);
+  }
+
+  /** The next page; of a search as many as it takes. */
   async loadMore(): Promise<void> {
-    if (this.cursor === null) return;
-    const page = await get("/v1/jobs", { query: { ...this.query(kPage), cursor: this.cursor } });
-    if (this.lifetime.ended) return;
+    if (this.words.length > 0) return this.search(this.loaded + kSearchedAtOnce, this.jobs.value.length + kFoundEnough);
+    await this.loadPage(kPage);
+  }
+
+  private async loadPage(limit: number): Promise<void> {
+    const { cursor, asked } = this;
+    if (cursor === null) return;
+    const page = await get("/v1/jobs", { query: { ...this.query(limit), cursor } });
+    if (this.lifetime.ended || asked !== this.asked) return;
     this.cursor = page.next_cursor;
     const have = new Set(this.order);
     this.take(page.jobs, [...this.order, ...page.jobs.map((job) => job.id).filter((id) => !have.has(id))]);
+  }
+
+  /** Until enough jobs have the words, all are here, or so many were looked at. */
+  private async search(most = kSearchedAtOnce, enough = kFoundEnough): Promise<void> {
+    if (this.searching.value || this.words.length === 0) return;
+    this.searching.value = true;
+    try {
+      while (this.words.length > 0 && this.jobs.value.length < enough && this.loaded < most && this.cursor !== null && !this.lifetime.ended)
+        await this.loadPage(kPageMax);
+    } catch (error) {
+      if (!this.lifetime.ended) this.fail(error);
+    }
+    this.searching.value = false;
   }
 
   /** A job as an action has answered it. */
@@ -105,8 +143,14 @@ export class JobList {
     this.publish();
   }
 
-  private query(limit: number): Record<string, string | number> {
-    return { limit, state: this.filter.state, label: this.filter.label };
+  /** Words that the service cannot look for. */
+  private get words(): string[] {
+    return wordsOf(this.filter.text).filter((word) => !isLabel(word)).map((word) => word.toLowerCase());
+  }
+
+  private query(limit: number): Record<string, string | number | readonly string[]> {
+    const labels = [this.filter.label, ...wordsOf(this.filter.text).filter(isLabel)].join(",");
+    return { limit, state: this.filter.state, label: labelFilters(labels).filters.slice(0, kLabelsMax) };
   }
 
   private take(jobs: readonly Job[], order: string[]): void {
@@ -127,7 +171,7 @@ export class JobList {
   }
 
   private publish(): void {
-    const words = this.filter.text.toLowerCase().split(/\s+/).filter(Boolean);
+    const { words } = this;
     const all = this.order.map((id) => this.known.get(id)!);
     this.jobs.value = words.length === 0 ? all : all.filter((job) => words.every((word) => textOf(job).includes(word)));
   }
@@ -168,6 +212,9 @@ export class JobList {
 }
 
 function textOf(job: Job): string {
-  const labels = Object.entries(job.labels).map(([name, value]) => `${name}:${value}`);
-  return [job.name, job.id, job.owner, ...labels].join(" ").toLowerCase();
+  return [job.name, job.id, job.owner, labelsText(job.labels)].join(" ").toLowerCase();
+}
+
+function wordsOf(text: string): string[] {
+  return text.split(/\s+/).filter(Boolean);
 }

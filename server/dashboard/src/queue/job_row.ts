@@ -1,12 +1,11 @@
 // One job in the list. Made once and then kept true, so that what somebody is about to press stays where it is.
-import { curlOf } from "../api/curl";
-import { isFinal, type Job } from "../api/types";
+import type { Job } from "../api/types";
 import { ago, moment } from "../base/format";
 import { fill, h } from "../base/h";
-import { copyText } from "../shell/copy_curl";
-import { menuButton, type MenuEntry } from "../shell/menu";
-import { actions, perform, setPinned, setPriority, type BatchAction } from "./actions";
-import type { JobList } from "./job_list";
+import { labelText } from "../base/labels";
+import { menuButton } from "../shell/menu";
+import { actions, type BatchAction, type JobKeeper } from "./actions";
+import { jobEntries } from "./job_entries";
 import { progressBar } from "./progress_bar";
 import type { Selection } from "./selection";
 import { stateBadge } from "./state_badge";
@@ -20,7 +19,7 @@ export interface JobRow {
 }
 
 export interface RowContext {
-  list: JobList;
+  keeper: JobKeeper;
   selection: Selection;
   /** The ids in the order they are shown. */
   shown(): readonly string[];
@@ -44,7 +43,7 @@ export function jobRow(first: Job, context: RowContext): JobRow {
   const bar = progressBar();
   const priority = h("td", { class: "number cell-priority" });
   const time = h("td", { class: "cell-time" });
-  const menu = menuButton(`Actions for ${first.name || id}`, () => entriesOf(job, context.list));
+  const menu = menuButton(`Actions for ${first.name || id}`, () => jobEntries(job, context.keeper));
   const element = h("tr", { tabindex: -1, "data-id": id },
     h("td", { class: "cell-check" }, check),
     h("td", { class: "cell-picture" }, h("a", { href: `/jobs/${id}`, tabindex: -1, "aria-hidden": "true" }, picture.element)),
@@ -82,7 +81,7 @@ export function jobRow(first: Job, context: RowContext): JobRow {
 
 function aboutOf(job: Job, context: RowContext): Node[] {
   const labels = Object.entries(job.labels).map(([name, value]) => {
-    const label = value === "" ? name : `${name}:${value}`;
+    const label = labelText(name, value);
     return h("button", { class: "label", title: `Show only jobs with ${label}`, onclick: () => context.filterByLabel(label) }, label);
   });
   return [
@@ -91,25 +90,6 @@ function aboutOf(job: Job, context: RowContext): Node[] {
     ...(job.pinned ? [h("span", { class: "muted", title: "Kept whatever its time to live says" }, "pinned")] : []),
     ...labels,
   ];
-}
-
-function entriesOf(job: Job, list: JobList): MenuEntry[] {
-  const entries: MenuEntry[] = [];
-  const { id } = job;
-  for (const action of ["cancel", "pause", "resume", "retry"] as const)
-    if (actions[action].possible(job))
-      entries.push({ label: actions[action].label, run: () => void perform(action, [job], list), curl: () => curlOf("POST", `/v1/jobs/${id}/${action}`) });
-  if (!isFinal(job.state))
-    entries.push({ label: "Priority…", run: () => void setPriority([job], list), curl: () => curlOf("PATCH", `/v1/jobs/${id}`, { json: { priority: job.priority } }) });
-  entries.push(
-    { label: job.pinned ? "Unpin" : "Pin", run: () => void setPinned([job], !job.pinned, list), curl: () => curlOf("PATCH", `/v1/jobs/${id}`, { json: { pinned: !job.pinned } }) },
-    { label: "Copy id", run: () => void copyText(id, "Id copied"), curl: () => curlOf("GET", `/v1/jobs/${id}`) },
-  );
-  if (!isFinal(job.state))
-    entries.push({ label: "Copy: follow", run: () => void copyText(curlOf("GET", `/v1/jobs/${id}/events`, { stream: true }), "Command copied") });
-  if (actions.delete.possible(job))
-    entries.push({ label: "Delete…", danger: true, run: () => void perform("delete", [job], list), curl: () => curlOf("DELETE", `/v1/jobs/${id}`) });
-  return entries;
 }
 
 /** What the toolbar offers for several jobs, with how many each would reach. */

@@ -3,13 +3,14 @@ import type { Job } from "../api/types";
 import { h } from "../base/h";
 import type { Lifetime } from "../base/signal";
 import { navigate } from "../shell/router";
+import type { JobKeeper } from "./actions";
 import type { JobList } from "./job_list";
 import { jobRow, type JobRow, type RowContext } from "./job_row";
 import type { Selection } from "./selection";
 
 const kAgoMs = 20_000; // "3 min ago" grows old by itself
 
-export function jobTable(list: JobList, selection: Selection, lifetime: Lifetime, filterByLabel: (label: string) => void): HTMLElement {
+export function jobTable(list: JobList, keeper: JobKeeper, selection: Selection, lifetime: Lifetime, filterByLabel: (label: string) => void): HTMLElement {
   const rows = new Map<string, JobRow>();
   const body = h("tbody");
   const shown = (): readonly string[] => list.jobs.value.map((job) => job.id);
@@ -20,7 +21,7 @@ export function jobTable(list: JobList, selection: Selection, lifetime: Lifetime
       h("th", { class: "cell-progress" }, "Progress"), h("th", { class: "number cell-priority" }, "Priority"), h("th", null, "Submitted"),
       h("th", null, h("span", { class: "visually-hidden" }, "Actions")))),
     body);
-  const context: RowContext = { list, selection, shown, filterByLabel };
+  const context: RowContext = { keeper, selection, shown, filterByLabel };
 
   lifetime.add(list.jobs.watch((jobs) => {
     showRows(body, rows, jobs, context);

@@ -12,21 +12,31 @@ import { toastError } from "../shell/toast";
 
 const kGatherMs = 250;
 
-/** Kept true by events; null until it is known. */
-export function queueSignal(lifetime: Lifetime): Signal<Queue | null> {
+export interface QueueNow {
+  /** Kept true by events; null until it is known. */
+  readonly queue: Signal<Queue | null>;
+  /** Now, after something was done to jobs. */
+  look(): void;
+}
+
+export function queueNow(lifetime: Lifetime): QueueNow {
   const queue = new Signal<Queue | null>(null);
   let timer: ReturnType<typeof setTimeout> | undefined;
-  const look = (): void => void get("/v1/queue").then((now) => {
-    if (!lifetime.ended) queue.value = now;
-  }, () => {});
-  const soon = (): void => {
+  let asked = 0;
+  const look = (): void => {
     clearTimeout(timer);
-    timer = setTimeout(look, kGatherMs);
+    timer = undefined;
+    const mine = ++asked;
+    get("/v1/queue").then((now) => {
+      if (!lifetime.ended && mine === asked) queue.value = now; // an answer from before would count what is gone
+    }, () => {});
   };
+  // The first of a burst starts the clock: one that goes on and on is not waited out.
+  const soon = (): void => void (timer ??= setTimeout(look, kGatherMs));
   live.listen(lifetime, { onState: soon, onRemoved: soon, onRefresh: soon });
   lifetime.add(() => clearTimeout(timer));
   look();
-  return queue;
+  return { queue, look };
 }
 
 /** One line for the head of the page. */

@@ -7,7 +7,7 @@ import type { JobState } from "../api/types";
 import { kJobStates } from "../api/types";
 import { bytes, count, moment } from "../base/format";
 import { append, fill, h } from "../base/h";
-import { queueSignal } from "../queue/queue_state";
+import { queueNow } from "../queue/queue_state";
 import { stateWords } from "../queue/state_badge";
 import { copyCurlButton } from "../shell/copy_curl";
 import type { OpenPage } from "../shell/page";
@@ -19,7 +19,7 @@ const kEveryMs = 5_000;
 
 export const openSystemPage: OpenPage = ({ lifetime, setTitle }) => {
   setTitle("System");
-  const queue = queueSignal(lifetime);
+  const { queue } = queueNow(lifetime);
   const queueCard = card("Queue", curlOf("GET", "/v1/queue"));
   const workersCard = card("Workers", curlOf("GET", "/v1/queue"));
   const healthCard = card("Health", curlOf("GET", "/readyz"));

@@ -4,6 +4,7 @@ import { curlOf } from "../../api/curl";
 import { fill, h } from "../../base/h";
 import { copyCurlButton } from "../../shell/copy_curl";
 import type { JobContext } from "../job_part";
+import { frameSlider } from "../timeline/play_controls";
 
 const kLookMs = 3000;
 
@@ -25,12 +26,8 @@ export function framePlayer(context: JobContext): HTMLElement {
       show();
     },
   });
-  const slider = h("input", {
-    type: "range", min: 0, max: playhead.frameCount - 1, class: "timeline-slider", "aria-label": "Frame of the pictures",
-    oninput: () => (playhead.time.value = Number(slider.value)),
-  });
+  const slider = frameSlider(playhead, lifetime, "Frame of the pictures");
   const show = (): void => {
-    slider.value = String(playhead.frame);
     const picture = nearest(pictures.filter((one) => one.camera === camera), playhead.frame);
     image.hidden = picture === undefined;
     if (!picture) return;

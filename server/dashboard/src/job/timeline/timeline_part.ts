@@ -1,21 +1,25 @@
 // Timeline: the moment, playing, key-frames, and the error of every interval.
 import { fill, h } from "../../base/h";
 import { addKeys } from "../../shell/keys";
-import { keyFramesOf } from "../key_frames";
+import { keyFramesOf, type KeyFrames } from "../key_frames";
 import type { JobContext, OpenJobPart } from "../job_part";
+import { frameSlider, playButton } from "./play_controls";
 import { shuttle, startPlayer, stepBy, toggle } from "./player";
 import { track } from "./track";
 import "./timeline.css";
 
-export const openTimeline: OpenJobPart = (context) => {
+export const openTimeline: OpenJobPart = (context) => timeline(context, null);
+
+/** `other`: a job beside it, whose key-frames are shown as well. */
+export function timeline(context: JobContext, other: JobContext | null): HTMLElement {
   const { playhead, lifetime } = context;
   startPlayer(playhead, lifetime);
   addPlayKeys(context);
   const lines = h("div", { class: "timeline-track" });
-  showTrack(context, lines);
+  showTrack(context, other, lines);
   return h("section", { class: "timeline", "aria-label": "Timeline" },
-    h("div", { class: "timeline-row row" }, buttons(context), moment(context)), slider(context), lines);
-};
+    h("div", { class: "timeline-row row" }, buttons(context), moment(context)), frameSlider(playhead, lifetime), lines);
+}
 
 function addPlayKeys({ playhead, lifetime }: JobContext): void {
   addKeys(lifetime, "Timeline", [
@@ -31,15 +35,11 @@ function addPlayKeys({ playhead, lifetime }: JobContext): void {
 }
 
 function buttons({ playhead, lifetime }: JobContext): Node[] {
-  const play = h("button", { class: "timeline-play", onclick: () => toggle(playhead) });
-  lifetime.add(playhead.playing.watch((playing) => {
-    play.textContent = playing ? "Stop" : "Play";
-  }));
   const loop = h("input", { type: "checkbox", onchange: () => (playhead.loop.value = loop.checked) });
   lifetime.add(playhead.loop.watch((on) => (loop.checked = on)));
   return [
     h("button", { "aria-label": "−1, one frame back", onclick: () => stepBy(playhead, -1) }, "−1"),
-    play,
+    playButton(playhead, lifetime),
     h("button", { "aria-label": "+1, one frame on", onclick: () => stepBy(playhead, 1) }, "+1"),
     h("label", null, loop, " Loop"),
   ];
@@ -57,37 +57,24 @@ function moment({ playhead, lifetime }: JobContext): HTMLElement {
   return text;
 }
 
-function slider({ playhead, lifetime }: JobContext): HTMLElement {
-  const input = h("input", {
-    type: "range", class: "timeline-slider", min: 0, max: playhead.frameCount - 1, step: 1, "aria-label": "Frame",
-    oninput: () => {
-      playhead.playing.value = false;
-      playhead.time.value = Number(input.value);
-    },
-  });
-  lifetime.add(playhead.time.watch(() => {
-    input.value = String(playhead.frame);
-    input.setAttribute("aria-valuetext", `frame ${playhead.frame}`);
-  }));
-  return input;
-}
-
 /** Known once the job has succeeded. */
-function showTrack(context: JobContext, place: HTMLElement): void {
+function showTrack(context: JobContext, other: JobContext | null, place: HTMLElement): void {
   let begun = false;
   context.lifetime.add(context.job.watch((job) => {
     if (begun || job.state !== "succeeded") return;
     begun = true;
-    keyFramesOf(context).then(
-      (keys) => fill(place, track(context.playhead, keys), legend(keys.tolerance)),
+    Promise.all([keyFramesOf(context), other && keyFramesOf(other)]).then(
+      ([keys, others]) => fill(place, track(context.playhead, keys, others), legend(keys, others)),
       () => (begun = false), // the next change of the job asks again
     );
   }));
 }
 
-function legend(tolerance: number | null | undefined): HTMLElement {
+function legend({ tolerance }: KeyFrames, others: KeyFrames | null): HTMLElement {
   const full = tolerance ? `full height is the tolerance, ${100 * tolerance} %` : "full height is the largest";
   const entry = (name: string, text: string): HTMLElement => h("span", null, h("span", { class: `swatch ${name}`, "aria-hidden": "true" }), ` ${text}`);
-  return h("p", { class: "timeline-legend small muted" }, entry("key", "key-frame"), entry("check", "solved to check"),
-    entry("predicted", "error predicted"), entry("observed", `observed; ${full}`));
+  const of = others ? " of A" : "";
+  return h("p", { class: "timeline-legend small muted" }, entry("key", `key-frame${of}`), entry("check", `solved to check${of}`),
+    others ? [entry("other key", "key-frame of B"), entry("other check", "solved to check of B")] : null,
+    entry("predicted", `error${of} predicted`), entry("observed", `observed; ${full}`));
 }
