@@ -75,7 +75,7 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
   }
   const api::Result<std::string> sandbox =
-      command.sandbox ? enter_sandbox(command.job_folder) : std::string();
+      command.sandbox ? enter_sandbox({.write = {command.job_folder}}) : std::string();
   if (!sandbox) return give_up(sandbox.error());
   std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
   std::atomic<const JobFolder*> opened = nullptr;  // what the watch may write into

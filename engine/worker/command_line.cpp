@@ -170,6 +170,30 @@ api::Result<Command> parse_view(std::span<const std::string_view> words) {
   return Command{command};
 }
 
+api::Result<Command> parse_confine(std::span<const std::string_view> words) {
+  ConfineCommand command;
+  const auto end = std::find(words.begin(), words.end(), "--");
+  if (end == words.end() || end + 1 == words.end()) return usage_error("after -- a PROGRAM is needed");
+  command.program = *(end + 1);
+  command.arguments.assign(end + 2, words.end());
+  const auto split = split_words({words.begin(), end});
+  if (!split) return split.error();
+  for (const Word& word : *split) {
+    if (word.name == "--reads")
+      command.reads = word.value;
+    else if (word.name == "--writes")
+      command.writes = word.value;
+    else if (word.name != "--parent")
+      return usage_error("confine takes no '" + std::string(word.name.empty() ? word.value : word.name) +
+                         "'");
+    else if (const api::Status taken = take_process(word, command.parent); !taken)
+      return taken.error();
+  }
+  if (command.reads.empty() || command.writes.empty()) return usage_error("--reads and --writes are needed");
+  if (!command.program.is_absolute()) return usage_error("PROGRAM must begin with /");
+  return Command{command};
+}
+
 /// 2^53 - 1: what JSON carries without rounding.
 constexpr std::uint64_t kSeedMax = (std::uint64_t{1} << 53) - 1;
 
@@ -240,6 +264,7 @@ api::Result<Command> parse_command_line(std::span<const std::string_view> words)
   if (words[0] == "render") return parse_render(words.subspan(1));
   if (words[0] == "check") return parse_check(words.subspan(1));
   if (words[0] == "view") return parse_view(words.subspan(1));
+  if (words[0] == "confine") return parse_confine(words.subspan(1));
   if (words[0] == "bench") return parse_bench(words.subspan(1));
   return usage_error("unknown command '" + std::string(words[0]) + "'");
 }
@@ -253,6 +278,7 @@ std::string usage_line() {
          "       keylume view JOB_FOLDER --name NAME [--threads N] [--memory-mb N] [--seconds N] [--parent "
          "PID] "
          "[--sandbox]\n"
+         "       keylume confine --reads PATH --writes PATH [--parent PID] -- PROGRAM [ARGUMENT...]\n"
          "       keylume bench paper [--scene NAME] [--out FOLDER] [--seed N] [--quick] [--examples FOLDER]\n"
          "       keylume bench limit|scaling|peers [--part NAME] [--repetitions N] [--out FOLDER] [--seed N] "
          "[--quick]\n"
@@ -296,6 +322,13 @@ view     Pictures of a job that is rendered already, without solving it again: J
   --seconds N     at most N seconds of processor time (3600)
   --threads N, --parent PID, --sandbox
                   as for render
+
+confine  Runs PROGRAM (a path from / on, no script) in the sandbox of a run, for supervisors: it reads what is
+         below one PATH and the system's libraries, writes what is below the other, which is there already, and
+         opens no sockets and starts no processes, as far as the kernel can enforce that.
+  --reads PATH, --writes PATH
+                  a folder or a file
+  --parent PID    as for render, without the standard input
 
 bench    Runs jobs as users run them and times them; prints a report and leaves report.md, report.json and
          tables for plots. Takes many minutes; what was run already by the same program is not run again.

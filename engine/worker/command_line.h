@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "api/result.h"
 #include "engine/bench/bench_options.h"
@@ -51,6 +52,15 @@ struct ViewCommand {
   bool sandbox = false;              ///< as of a run
 };
 
+/// A program of others', shut in.
+struct ConfineCommand {
+  std::filesystem::path program = {};
+  std::vector<std::string> arguments = {};
+  std::filesystem::path reads = {};   ///< a folder or a file, beside the system's libraries
+  std::filesystem::path writes = {};  ///< the same; it must be there
+  std::optional<pid_t> parent = {};   ///< --parent: end when this process ends
+};
+
 struct BenchCommand {
   BenchOptions options;
 };
@@ -58,11 +68,12 @@ struct BenchCommand {
 struct HelpCommand {};
 struct VersionCommand {};
 
-using Command =
-    std::variant<RenderCommand, CheckCommand, ViewCommand, BenchCommand, HelpCommand, VersionCommand>;
+using Command = std::variant<RenderCommand, CheckCommand, ViewCommand, ConfineCommand, BenchCommand,
+                             HelpCommand, VersionCommand>;
 
 /// `words` are argv without the program's name. Options may stand before or after the folder, as
-/// `--threads 2` or `--threads=2`; after `--` every word is a folder. Each option at most once.
+/// `--threads 2` or `--threads=2`; after `--` every word is a folder, or
+/// what `confine` is to run. Each option at most once.
 /// Errors: invalid_request, the message names the word that is wrong.
 api::Result<Command> parse_command_line(std::span<const std::string_view> words);
 

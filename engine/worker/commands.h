@@ -78,6 +78,9 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
 /// Errors as exit codes: those of a run; internal as well where the job is not rendered yet.
 api::ExitCode view(const ViewCommand& command, const ViewRenderer& render);
 
+/// Becomes `program`, in a sandbox. -> only where that failed: internal. Call from main, once.
+api::ExitCode confine(const ConfineCommand& command);
+
 /// As engine::run_bench of this program. May throw.
 using Bench = std::function<api::Status(const BenchOptions&)>;
 

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -68,7 +69,44 @@ std::optional<std::string> read_bytes(int file, std::size_t size) {
   return bytes;
 }
 
+/// Over what is there. `durable`: waits for the disk.
+api::Status overwrite(const fs::path& path, std::string_view bytes, bool durable) {
+  const File file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0640));
+  if (file.get() < 0) return file_error("open", path, errno);
+  while (!bytes.empty()) {
+    const ssize_t written = write(file.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return file_error("write", path, errno);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (durable && fsync(file.get()) != 0) return file_error("fsync", path, errno);
+  return api::Done{};
+}
+
+void remove_report(const fs::path& path, ReportWriting writing) {
+  if (writing == ReportWriting::replaced)
+    fs::remove(path);
+  else if (const api::Status emptied = overwrite(path, "", false); !emptied)
+    throw std::runtime_error(emptied.error().message);
+}
+
 }  // namespace
+
+FileRules rules_of_run(const fs::path& job_folder) {
+  FileRules rules;
+  rules.read = {job_folder};
+  for (const char* name : {"artefacts", "checkpoint"}) {
+    std::error_code ignored;  // what is not there is passed over, and missed when it is needed
+    fs::create_directory(job_folder / name, ignored);
+    rules.write.push_back(job_folder / name);
+  }
+  for (const char* name : {".lock", "progress.ndjson", "report.json"}) {
+    const File made(
+        ::open((job_folder / name).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0640));
+    rules.write.push_back(job_folder / name);
+  }
+  return rules;
+}
 
 api::Result<JobFolder> JobFolder::open(const fs::path& path, std::chrono::milliseconds patience) {
   std::error_code ignored;
@@ -103,7 +141,7 @@ JobFolder::~JobFolder() {
   if (lock_ >= 0) close(lock_);
 }
 
-api::Status clear_leftovers(const JobFolder& folder) {
+api::Status clear_leftovers(const JobFolder& folder, ReportWriting writing) {
   return without_exceptions([&]() -> api::Status {
     if (fs::create_directories(folder.artefacts())) {
       if (const api::Status synced = sync_folder(folder.artefacts().parent_path()); !synced) return synced;
@@ -111,7 +149,7 @@ api::Status clear_leftovers(const JobFolder& folder) {
     if (fs::remove(folder.artefacts() / "manifest.json")) {
       if (const api::Status synced = sync_folder(folder.artefacts()); !synced) return synced;
     }
-    fs::remove(folder.report());
+    remove_report(folder.report(), writing);
     remove_temporary_files(folder.artefacts());
     return api::Done{};
   });
@@ -135,11 +173,18 @@ api::Result<api::ReadRequest> read_job_request(const JobFolder& folder) {
   return api::read_request(*bytes);
 }
 
-api::Status write_report(const fs::path& path, const api::JobReport& report) {
-  return without_exceptions([&] { return write_file(path, api::job_report_json(report)); });
+api::Status write_report(const fs::path& path, const api::JobReport& report, ReportWriting writing) {
+  return without_exceptions([&] {
+    const std::string bytes = api::job_report_json(report);
+    return writing == ReportWriting::replaced ? write_file(path, bytes) : overwrite(path, bytes, true);
+  });
 }
 
-void write_report_in_haste(const fs::path& path, const api::JobReport& report) {
+void write_report_in_haste(const fs::path& path, const api::JobReport& report, ReportWriting writing) {
+  if (writing == ReportWriting::in_place) {
+    (void)overwrite(path, api::job_report_json(report), false);
+    return;
+  }
   const fs::path temporary = path.parent_path() / (".tmp.last_words." + path.filename().string());
   const std::string bytes = api::job_report_json(report);
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0640);

@@ -10,6 +10,7 @@
 #include "api/job_report.h"
 #include "api/read_request.h"
 #include "api/result.h"
+#include "engine/worker/landlock.h"
 
 namespace engine {
 
@@ -47,19 +48,30 @@ class JobFolder {
   int lock_;  ///< file descriptor that carries the lock; -1: none
 };
 
+/// What a run in this folder may touch: it reads all of it, and writes artefacts/, checkpoint/, .lock,
+/// progress.ndjson and report.json, which are made here where they are missing, for the run itself can make
+/// nothing beside input/, or input/ would be as open to it.
+FileRules rules_of_run(const std::filesystem::path& job_folder);
+
+/// How report.json is written: in a sandbox of rules_of_run it can only be overwritten, and one that is empty
+/// stands for none.
+enum class ReportWriting { replaced, in_place };
+
 /// Clears what an earlier attempt left, in this order: artefacts/manifest.json (durably, so that its presence
 /// always means that everything in it is whole), report.json, temporary files below artefacts/. Artefacts
 /// themselves stay: each is replaced by rename. Creates artefacts/ where it is missing.
-api::Status clear_leftovers(const JobFolder& folder);
+api::Status clear_leftovers(const JobFolder& folder, ReportWriting writing = ReportWriting::replaced);
 
 /// input/animation.json -> the job, and what is wrong with it (also that the file is missing or too large).
 /// Its size is looked at before it is read. Error: internal.
 api::Result<api::ReadRequest> read_job_request(const JobFolder& folder);
 
-/// Replaces the file `path` (report.json or check.json), durably.
-api::Status write_report(const std::filesystem::path& path, const api::JobReport& report);
+/// Writes the file `path` (report.json or check.json) anew, durably.
+api::Status write_report(const std::filesystem::path& path, const api::JobReport& report,
+                         ReportWriting writing = ReportWriting::replaced);
 
 /// The same without waiting for the disk, for a process that ends at once.
-void write_report_in_haste(const std::filesystem::path& path, const api::JobReport& report);
+void write_report_in_haste(const std::filesystem::path& path, const api::JobReport& report,
+                           ReportWriting writing = ReportWriting::replaced);
 
 }  // namespace engine

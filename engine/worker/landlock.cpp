@@ -33,6 +33,7 @@ constexpr std::uint64_t kFirstVersion = (1u << 13) - 1;  // executing to making 
 constexpr std::uint64_t kOfFiles = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE |
                                    LANDLOCK_ACCESS_FS_READ_FILE | kTruncate | kIoctl;
 constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
+constexpr std::uint64_t kRun = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_EXECUTE;
 // No devices, sockets, pipes or symbolic links: none of these is a result.
 constexpr std::uint64_t kWrite = kRead | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_REMOVE_DIR |
                                  LANDLOCK_ACCESS_FS_REMOVE_FILE | LANDLOCK_ACCESS_FS_MAKE_DIR |
@@ -81,6 +82,8 @@ api::Status add_rules(int ruleset, const FileRules& rules, std::uint64_t handled
     if (!allow(ruleset, path, kRead & handled)) return failure(path.string());
   for (const auto& path : rules.write)
     if (!allow(ruleset, path, kWrite & handled)) return failure(path.string());
+  for (const auto& path : rules.run)
+    if (!allow(ruleset, path, kRun & handled)) return failure(path.string());
   return api::Done{};
 }
 

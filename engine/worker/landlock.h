@@ -12,13 +12,14 @@ namespace engine {
 struct FileRules {
   std::vector<std::filesystem::path> read = {};
   std::vector<std::filesystem::path> write = {};  ///< read, write, make and remove files and folders
+  std::vector<std::filesystem::path> run = {};    ///< read, and run as programs
 };
 
 /// Version of Landlock that the kernel offers us; 0: none.
 int landlock_version();
 
-/// From now on the calling thread, and those it starts, open only what `rules` allow, run no other program,
-/// and, as far as the kernel can (versions 4 and 6), neither use TCP nor signal other processes. Never
+/// From now on the calling thread, and those it starts, open and run only what `rules` allow, and, as far as
+/// the kernel can (versions 4 and 6), neither use TCP nor signal other processes. Never
 /// undone.
 /// -> the version in force, 0 where the kernel has none. Errors: internal.
 /// Source: Linux, Documentation/userspace-api/landlock.rst.

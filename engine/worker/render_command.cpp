@@ -72,10 +72,14 @@ std::string fingerprint_of(const JobFolder& folder, const Fingerprinter& fingerp
   return text;
 }
 
+ReportWriting writing_of(const RenderCommand& command) {
+  return command.sandbox ? ReportWriting::in_place : ReportWriting::replaced;
+}
+
 api::Status run_attempt(const JobFolder& folder, const RenderCommand& command, const Pipeline& pipeline,
                         const Refuser& refuser, const std::string& fingerprint, const Watch& watch,
                         Clock::time_point start, api::JobReport& report) {
-  if (const api::Status cleared = clear_leftovers(folder); !cleared) return cleared;
+  if (const api::Status cleared = clear_leftovers(folder, writing_of(command)); !cleared) return cleared;
   const auto stop_requested = [&] { return watch.stop_requested(); };
   const auto read = read_job_request(folder);
   if (!read) return read.error();
@@ -114,7 +118,8 @@ void tell_noise(const api::JobReport& report) {
 
 /// The report of a process that ends in the midst of its work. Another thread fills the real one: not
 /// touched.
-void write_last_words(const JobFolder& folder, api::ExitCode code, double wall_seconds) {
+void write_last_words(const JobFolder& folder, const RenderCommand& command, api::ExitCode code,
+                      double wall_seconds) {
   const api::Status why =
       code == api::ExitCode::stopped
           ? api::Error{api::Fault::stopped, "told to stop, and ended before the stage at work noticed"}
@@ -122,14 +127,14 @@ void write_last_words(const JobFolder& folder, api::ExitCode code, double wall_s
   api::JobReport report;
   complete_report(why, wall_seconds, report);
   tell_report(report);
-  write_report_in_haste(folder.report(), report);
+  write_report_in_haste(folder.report(), report, writing_of(command));
 }
 
-api::ExitCode conclude(const JobFolder& folder, const api::Status& status, double wall_seconds,
-                       api::JobReport& report) {
+api::ExitCode conclude(const JobFolder& folder, const RenderCommand& command, const api::Status& status,
+                       double wall_seconds, api::JobReport& report) {
   complete_report(status, wall_seconds, report);
   tell_report(report);
-  const api::Status written = write_report(folder.report(), report);
+  const api::Status written = write_report(folder.report(), report, writing_of(command));
   if (!written) tell("report.json: " + written.error().message);
   if (!status) return exit_code_of(status);
   tell_noise(report);
@@ -147,13 +152,14 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, con
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
   }
   const api::Result<std::string> sandbox =
-      command.sandbox ? enter_sandbox(command.job_folder) : std::string();
+      command.sandbox ? enter_sandbox(rules_of_run(command.job_folder)) : std::string();
   if (!sandbox) return give_up(sandbox.error());
   std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
   std::atomic<const JobFolder*> locked = nullptr;  // the watch must not write into a folder that is not ours
   const auto watch =
       Watch::start({.end_with_stdin = command.parent.has_value(), .last_words = [&](api::ExitCode code) {
-                      if (const JobFolder* mine = locked) write_last_words(*mine, code, seconds_since(start));
+                      if (const JobFolder* mine = locked)
+                        write_last_words(*mine, command, code, seconds_since(start));
                     }});
   if (!watch) return give_up(watch.error());
   set_thread_count(command.threads);
@@ -175,7 +181,7 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, con
     return run_attempt(*folder, command, pipeline, parts.refuse, fingerprint, **watch, start, report);
   });
   if (status) report.fingerprint = fingerprint;
-  return conclude(*folder, status, seconds_since(start), report);
+  return conclude(*folder, command, status, seconds_since(start), report);
 }
 
 }  // namespace engine

@@ -42,6 +42,7 @@ api::ExitCode run_worker(std::span<const std::string_view> words, const Pipeline
                         [&](const RenderCommand& given) { return render(given, pipeline, parts); },
                         [&](const CheckCommand& given) { return check(given, checker, parts); },
                         [&](const ViewCommand& given) { return view(given, parts.view); },
+                        [](const ConfineCommand& given) { return confine(given); },
                         [&](const BenchCommand& given) { return run_bench(given.options, bench); },
                         [](const HelpCommand&) { return print(help_text()); },
                         [](const VersionCommand&) { return print("keylume " KEYLUME_VERSION "\n"); },

@@ -180,6 +180,17 @@ class Filter {
     for (const std::uint32_t value : values) answer_if_equal(value, kRefuse);
     answer(kAllow);
   }
+  /// `call` passes where its first argument is `pointer`, and is refused elsewhere.
+  void answer_by_pointer(std::uint32_t call, const void* pointer) {
+    const auto whole = static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 6));
+    load(offsetof(seccomp_data, args[0]));  // its low half: both processors put that first
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(whole), 0, 3));
+    load(offsetof(seccomp_data, args[0]) + sizeof(std::uint32_t));
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(whole >> 32), 0, 1));
+    answer(kAllow);
+    answer(kRefuse);
+  }
   void add(sock_filter instruction) { instructions_.push_back(instruction); }
   std::vector<sock_filter>& instructions() { return instructions_; }
 
@@ -187,7 +198,7 @@ class Filter {
   std::vector<sock_filter> instructions_;
 };
 
-Filter filter() {
+Filter filter(const char* but_run) {
   Filter filter;
   filter.load(offsetof(seccomp_data, arch));
   filter.add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 1, 0));
@@ -201,6 +212,7 @@ Filter filter() {
   filter.answer_by_argument(SYS_prlimit64, BPF_JEQ, 0);
   filter.refuse_by_second_argument(SYS_fcntl, kRefusedOfFcntl);
   if (kMemoryCanBeLimited) {  // no sanitizer
+    if (but_run) filter.answer_by_pointer(SYS_execve, but_run);
     for (const std::uint32_t call : kRefusedUnlessSanitized) filter.answer_if_equal(call, kRefuse);
     filter.answer_by_argument(SYS_clone, BPF_JSET, CLONE_THREAD);
     // abort() signals the process itself.
@@ -214,10 +226,10 @@ Filter filter() {
 
 }  // namespace
 
-api::Result<bool> refuse_system_calls() {
+api::Result<bool> refuse_system_calls(const char* but_run) {
   const std::uint32_t action = kRefuse & SECCOMP_RET_ACTION_FULL;
   if (kArchitecture == 0 || syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0, &action) != 0) return false;
-  Filter made = filter();
+  Filter made = filter(but_run);
   const sock_fprog program{static_cast<unsigned short>(made.instructions().size()),
                            made.instructions().data()};
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||

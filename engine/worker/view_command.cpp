@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "api/fault_point.h"
 #include "api/view_request.h"
 #include "engine/base/durable_file.h"
 #include "engine/base/parallel.h"
@@ -61,9 +62,12 @@ api::Status make_empty(const std::filesystem::path& folder) {
 api::Status rename_into_place(const ViewPaths& paths) {
   std::error_code failed;
   std::filesystem::remove_all(paths.folder, failed);
+  api::fault_point("view_rendered");
   if (!failed) std::filesystem::rename(paths.temporary, paths.folder, failed);
   if (failed) return file_error("rename", paths.temporary, failed.value());
-  return sync_folder(paths.folder.parent_path());
+  const api::Status synced = sync_folder(paths.folder.parent_path());
+  api::fault_point("view_renamed");
+  return synced;
 }
 
 api::Status run_view(const JobFolder& folder, const ViewPaths& paths, const ViewRenderer& render,
@@ -116,7 +120,8 @@ api::ExitCode view(const ViewCommand& command, const ViewRenderer& render) {
   }
   // What was rendered stays as it is, and so do the videos.
   const api::Result<std::string> sandbox =
-      command.sandbox ? enter_sandbox(command.job_folder, command.job_folder / "views") : std::string();
+      command.sandbox ? enter_sandbox({.read = {command.job_folder}, .write = {command.job_folder / "views"}})
+                      : std::string();
   if (!sandbox) return give_up(sandbox.error());
   const ViewPaths paths = paths_of(command);
   std::atomic<bool> ours = false;

@@ -31,10 +31,10 @@ class Sandbox : public testing::Test {
     write(outside() / "secret", "of another job");
     run();
   }
-  void run(const std::string& writable = "") {
+  void run(const std::string& which = "run", const std::string& starter = "") {
     outcome_.clear();
     const std::string command =
-        std::string(KEYLUME_SANDBOXED) + " " + job().string() + " " + outside().string() + " " + writable;
+        starter + " " + KEYLUME_SANDBOXED + " " + job().string() + " " + outside().string() + " " + which;
     const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), pclose);
     char line[256];
     while (output && std::fgets(line, sizeof line, output.get()))
@@ -92,6 +92,30 @@ TEST_F(Sandbox, OfAViewLeavesWhatWasRenderedAsItIs) {
   run((job() / "views").string());
   expect("done", {"read inside", "write a view"});
   expect("EACCES", {"write inside"});
+}
+
+TEST_F(Sandbox, OfARunLeavesTheInputAsItIs) {
+  if (engine::landlock_version() == 0) GTEST_SKIP() << "the kernel has no Landlock";
+  expect("done", {"read inside", "write inside", "write what is said"});
+  expect("EACCES", {"change the input", "cut the input", "add to the input", "remove the input",
+                    "write beside the input", "rename the input"});
+  EXPECT_NE(outcome_["replace the input"], "done");
+  std::string scene;
+  std::getline(std::ifstream(job() / "input/scene.obj"), scene);
+  EXPECT_EQ(scene, "v 0 0 0");
+}
+
+TEST_F(Sandbox, HoldsAProgramThatIsNotOurs) {
+  write(job() / "artefacts/output", "");
+  run("within", std::string(KEYLUME_WORKER_UNDER_TEST) + " burn confine --reads " +
+                    (job() / "input").string() + " --writes " + (job() / "artefacts/output").string() +
+                    " --");
+  expect("done", {"read a library", "read inside", "start a thread", "signal itself"});
+  if (engine::kMemoryCanBeLimited)
+    expect("EPERM", {"open a socket", "open a unix socket", "fork", "run a program", "trace"});
+  if (engine::landlock_version() == 0) return;
+  expect("EACCES", {"read a system file", "list the root", "read outside", "write outside", "remove outside",
+                    "write inside", "write a view", "change the input", "write beside the input"});
 }
 
 TEST_F(Sandbox, LimitsFilesInSizeAndNumber) {

@@ -1,7 +1,8 @@
-// Enters the sandbox of a job folder and then tries what a worker must not be able to do. Prints one line per
+// Tries what a worker must not be able to do, in the sandbox of a job folder: that of a run (run), one that
+// writes below WRITABLE_FOLDER, or that which whoever started it has entered (within). Prints one line per
 // attempt: its name and "done", or the error's name.
 //
-//   sandboxed JOB_FOLDER OUTSIDE_FOLDER [WRITABLE_FOLDER]
+//   sandboxed JOB_FOLDER OUTSIDE_FOLDER run|within|WRITABLE_FOLDER
 #include <fcntl.h>
 #include <mqueue.h>
 #include <netinet/in.h>
@@ -29,6 +30,7 @@
 #include <string>
 #include <thread>
 
+#include "engine/worker/job_folder.h"
 #include "engine/worker/sandbox.h"
 
 namespace {
@@ -94,7 +96,16 @@ void use_files(const path& job, const path& outside) {
   attempt("write a view", [&] { return can_open(job / "views/made", O_WRONLY | O_CREAT); });
   attempt("write inside", [&] { return can_open(job / "artefacts/made", O_WRONLY | O_CREAT); });
   attempt("rename inside",
-          [&] { return rename((job / "artefacts/made").c_str(), (job / "moved").c_str()) == 0; });
+          [&] { return rename((job / "artefacts/made").c_str(), (job / "artefacts/moved").c_str()) == 0; });
+  attempt("write what is said", [&] { return can_open(job / "progress.ndjson", O_WRONLY | O_APPEND); });
+  attempt("change the input", [&] { return can_open(job / "input/scene.obj", O_WRONLY); });
+  attempt("cut the input", [&] { return can_open(job / "input/scene.obj", O_WRONLY | O_TRUNC); });
+  attempt("add to the input", [&] { return can_open(job / "input/made", O_WRONLY | O_CREAT); });
+  attempt("remove the input", [&] { return unlink((job / "input/scene.obj").c_str()) == 0; });
+  attempt("rename the input", [&] { return rename((job / "input").c_str(), (job / "gone").c_str()) == 0; });
+  attempt("write beside the input", [&] { return can_open(job / "made", O_WRONLY | O_CREAT); });
+  attempt("replace the input",
+          [&] { return rename((job / "artefacts/moved").c_str(), (job / "input/scene.obj").c_str()) == 0; });
 }
 
 void use_processes() {
@@ -163,13 +174,16 @@ void use_limits(const path& job) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3 && argc != 4) return 64;
-  const auto in_force = engine::enter_sandbox(argv[1], argc == 4 ? argv[3] : "");
-  if (!in_force) {
-    std::fprintf(stderr, "%s\n", in_force.error().message.c_str());
-    return 1;
+  if (argc != 4) return 64;
+  if (const std::string which = argv[3]; which != "within") {
+    const auto in_force = which == "run" ? engine::enter_sandbox(engine::rules_of_run(argv[1]))
+                                         : engine::enter_sandbox({.read = {argv[1]}, .write = {which}});
+    if (!in_force) {
+      std::fprintf(stderr, "%s\n", in_force.error().message.c_str());
+      return 1;
+    }
+    std::printf("in force: %s\n", in_force->c_str());
   }
-  std::printf("in force: %s\n", in_force->c_str());
   use_files(argv[1], argv[2]);
   use_processes();
   use_limits(argv[1]);
