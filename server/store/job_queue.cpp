@@ -1,5 +1,9 @@
 // The part of JobStore that sees the queue as a whole.
+#include <algorithm>
+#include <utility>
+
 #include "server/store/job_store.h"
+#include "server/store/turns.h"
 
 namespace server {
 
@@ -47,14 +51,24 @@ api::Result<std::map<JobState, std::int64_t>> JobStore::counts(std::optional<std
 
 api::Result<std::vector<Waiting>> JobStore::waiting() {
   const std::lock_guard lock(mutex_);
+  // In the order of the index, from which alone it is read; there are few priorities, so the rest is soon
+  // done.
   Statement select = database_.prepare(
-      "SELECT seq, owner, priority, queued_ms FROM job INDEXED BY job_turn WHERE state = 'queued' "
-      "ORDER BY owner, rank_ms, seq");
+      "SELECT seq, owner, priority, queued_ms FROM job INDEXED BY job_urgency WHERE state = 'queued' "
+      "ORDER BY owner, priority, queued_ms, seq");
   std::vector<Waiting> waiting;
   while (select.next())
     waiting.push_back({select.integer(0), select.text(1), static_cast<std::uint32_t>(select.integer(2)),
                        select.integer(3)});
   if (const api::Status ok = select.status(); !ok) return ok.error();
+  for (auto first = waiting.begin(); first != waiting.end();) {
+    const auto end =
+        std::find_if(first, waiting.end(), [&](const Waiting& job) { return job.owner != first->owner; });
+    std::sort(first, end, [](const Waiting& a, const Waiting& b) {
+      return std::pair(rank_ms(a), a.seq) < std::pair(rank_ms(b), b.seq);
+    });
+    first = end;
+  }
   return waiting;
 }
 

@@ -29,7 +29,11 @@ struct Line {
 std::map<std::string, Line> lines_of(const std::vector<Waiting>& waiting,
                                      const std::vector<OwnerTurn>& turns) {
   std::map<std::string, Line> lines;
-  for (const Waiting& job : waiting) lines[job.owner].jobs.push_back(job);
+  Line* last = nullptr;  // the jobs of an owner come together
+  for (const Waiting& job : waiting) {
+    if (last == nullptr || last->jobs.front().owner != job.owner) last = &lines[job.owner];
+    last->jobs.push_back(job);
+  }
   for (auto& [owner, line] : lines) {
     line.owner.owner = owner;
     line.most_urgent.resize(line.jobs.size());

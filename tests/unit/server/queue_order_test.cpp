@@ -223,6 +223,23 @@ TEST(QueuePlans, NeitherScanTheQueueNorSortIt) {
   }
 }
 
+TEST(QueuePlans, CountAndOrderALongQueueWithoutReadingItsJobs) {
+  const TemporaryFolder folder;
+  auto database = Database::open(folder.path() / "db");
+  ASSERT_TRUE(database && migrate(*database));
+  const std::string all = "SELECT count(*) FROM job WHERE state = 'queued' AND removing = 0";
+  const std::string own =
+      "SELECT count(*) FROM job INDEXED BY job_urgency WHERE state = 'queued' AND owner = 'a'";
+  const std::string places =
+      "SELECT seq, owner, priority, queued_ms FROM job INDEXED BY job_urgency WHERE state = 'queued' "
+      "ORDER BY owner, priority, queued_ms, seq";
+  for (const std::string& sql : {all, own, places}) {
+    const std::string plan = plan_of(*database, sql);
+    EXPECT_NE(plan.find("COVERING INDEX"), std::string::npos) << plan;
+    EXPECT_EQ(plan.find("TEMP B-TREE"), std::string::npos) << plan;
+  }
+}
+
 TEST(QueuePlans, ThePointOfTheSchemaIsThatOfTheCode) {
   const TemporaryFolder folder;
   auto database = Database::open(folder.path() / "db");
