@@ -19,7 +19,7 @@ namespace server {
 struct EventRules {
   std::chrono::milliseconds look_every{100};      ///< news is at most this old
   std::size_t listeners_max = 32;                 ///< each holds a thread of the HTTP server
-  std::chrono::milliseconds ask_again{2'000};     ///< whether a listener may still listen
+  std::chrono::milliseconds ask_again{500};       ///< whether a listener may still listen
   std::chrono::milliseconds stream_max{600'000};  ///< then it comes back, and goes on from where it was
 };
 

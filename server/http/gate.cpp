@@ -152,8 +152,8 @@ std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
   }
   const std::optional<Scope> wanted = scope_of(route);
   auto brought = token_of(request);
-  if (brought && brought->by_cookie)
-    brought->text = tokens_.sessions().token_of(brought->text, clock_()).value_or("");
+  const std::string session = brought && brought->by_cookie ? brought->text : "";
+  if (!session.empty()) brought->text = tokens_.sessions().token_of(session, clock_()).value_or("");
   const auto token = brought ? tokens_.find(brought->text, clock_()) : std::nullopt;
   if (token) request.owner = token->name;
   if (auto often = refuse_too_often(request, token ? token->prefix : "from " + network_of(request.address),
@@ -161,9 +161,10 @@ std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
     return often;
   const bool asks = asks_for_tokens();
   request.sees_all = !asks || (token && token->scopes.has(Scope::queue_admin));
-  request.still_allowed = [this, wanted, asks, sees_all = request.sees_all,
+  request.still_allowed = [this, wanted, asks, sees_all = request.sees_all, session,
                            text = brought ? brought->text : std::string()] {
     if (!wanted || !asks_for_tokens()) return true;
+    if (!session.empty() && !tokens_.sessions().token_of(session, clock_())) return false;
     const auto now = asks ? tokens_.find(text, clock_()) : std::nullopt;
     return now && now->scopes.has(*wanted) && now->scopes.has(Scope::queue_admin) == sees_all;
   };

@@ -46,14 +46,37 @@ class Auth(ServiceTestCase):
         service = self.service()
         self.token(service, "other")
         token = self.token(service, "farm")
-        listener = subprocess.Popen(["curl", "-sSN", "--max-time", "60", "-H", f"Authorization: Bearer {token}",
-                                     service.url + "/v1/events"], stdout=subprocess.PIPE)
-        self.addCleanup(listener.kill)
-        self.assertEqual(listener.stdout.readline(), b"retry: 3000\n")
+        listener = self.listen(service, ["-H", f"Authorization: Bearer {token}"])
         with self.assertRaises(subprocess.TimeoutExpired):
             listener.wait(timeout=5)
         self.assertEqual(command("token", "revoke", "farm", "--data", str(service.data)).returncode, 0)
         self.assertEqual(listener.wait(timeout=20), 0, "ended by the service, in order")
+
+    def test_a_stream_of_events_ends_with_its_login(self):
+        service = self.service()
+        token = self.token(service, "farm")
+        cookies = [self.login(service, token) for _ in range(2)]
+        listeners = [self.listen(service, cookie) for cookie in cookies]
+        logout = service.get("/v1/logout", "-X", "POST", *cookies[0], "-H", f"Origin: {service.url}")
+        self.assertEqual(logout.status, 204, logout.body)
+        self.assertEqual(listeners[0].wait(timeout=20), 0, "ended by the service, in order")
+        with self.assertRaises(subprocess.TimeoutExpired, msg="the other login of the same token goes on"):
+            listeners[1].wait(timeout=3)
+
+    def login(self, service, token):
+        """-> the cookie, as curl sends it"""
+        login = service.get("/v1/login", "-H", "Content-Type: application/json", "-d", json.dumps({"token": token}))
+        self.assertEqual(login.status, 204, login.body)
+        return ["-H", "Cookie: " + login.headers["set-cookie"].split(";")[0]]
+
+    def listen(self, service, credentials):
+        """A listener whose stream has begun."""
+        listener = subprocess.Popen(["curl", "-sSN", "--max-time", "60", *credentials, service.url + "/v1/events"],
+                                    stdout=subprocess.PIPE)
+        self.addCleanup(listener.communicate)
+        self.addCleanup(listener.kill)
+        self.assertEqual(listener.stdout.readline(), b"retry: 3000\n")
+        return listener
 
     def test_scopes_hold_for_jobs(self):
         service = self.service()
