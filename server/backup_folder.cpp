@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "api/fault_point.h"
+#include "api/given_names.h"
 #include "server/artefacts/files.h"
 #include "server/artefacts/verify.h"
 #include "server/copy_tree.h"
@@ -53,7 +54,9 @@ api::Status take_job(const fs::path& from, const fs::path& to, bool succeeded) {
   if (api::Status taken = take_tree(from / "input", to / "input", succeeded ? Taking::links : Taking::copies);
       !taken)
     return taken;
-  const auto told = [](const std::string& name) { return name == "report.json" || name == "worker.log"; };
+  const auto told = [](const std::string& name) {
+    return name == "report.json" || name == "worker.log" || name == api::kGivenNamesFile;
+  };
   if (api::Status taken = take_some(from, to, Taking::copies, told); !taken || !succeeded) return taken;
   if (api::Status taken = take_tree(from / "artefacts", to / "artefacts", Taking::links); !taken)
     return taken;

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "api/json/reader.h"
+#include "api/value_places.h"
 
 namespace api {
 namespace {
@@ -46,6 +47,7 @@ Result<JobFiles> parse_job_files(std::string_view bytes, std::string_view file) 
   if (!document) return document.error();
   Findings findings{std::string(file), {}};
   JobFiles job = read_files({&*document, "", &findings});
+  add_places(bytes, file, findings.violations);
   if (!findings.violations.empty()) return refusal(file, std::move(findings.violations));
   return job;
 }

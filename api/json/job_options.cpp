@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "api/json/reader.h"
+#include "api/value_places.h"
 
 namespace api {
 namespace {
@@ -85,6 +86,7 @@ Result<T> parse(std::string_view bytes, std::string_view file, T (*read)(const N
   if (!document) return document.error();
   Findings findings{std::string(file), {}};
   T value = read({&*document, "", &findings});
+  add_places(bytes, file, findings.violations);
   if (!findings.violations.empty()) return refusal(file, std::move(findings.violations));
   return value;
 }

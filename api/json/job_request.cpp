@@ -5,6 +5,7 @@
 #include "api/json/parents.h"
 #include "api/json/strict_check.h"
 #include "api/read_request.h"
+#include "api/value_places.h"
 
 namespace api {
 namespace {
@@ -92,6 +93,7 @@ ReadRequest read_request(std::string_view bytes, std::string_view file) {
     read.request = read_job({&*json, "", &findings});
   }
   read.violations = std::move(findings.violations);
+  if (read.is_document) add_places(bytes, file, read.violations);
   return read;
 }
 

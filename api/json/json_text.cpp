@@ -4,6 +4,7 @@
 
 #include "api/json/strict_check.h"
 #include "api/refusal_text.h"
+#include "api/value_places.h"
 
 namespace api {
 namespace {
@@ -51,6 +52,7 @@ Json error_json(const Violation& violation) {
 Result<ParsedJson> parse_json(std::string_view bytes, std::string_view file, const JsonLimits& limits) {
   std::vector<Violation> violations;
   auto json = parse_strictly(bytes, file, limits, violations);
+  if (json) add_places(bytes, file, violations);
   if (!json || !violations.empty()) return refusal(file, std::move(violations));
   return std::move(*json);
 }

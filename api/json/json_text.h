@@ -29,7 +29,7 @@ Result<ParsedJson> parse_json(std::string_view bytes, std::string_view file, con
 /// Compact text. Never throws: bytes that are not UTF-8 become U+FFFD, numbers that are not finite null.
 std::string json_text(const Json& json);
 
-/// [{"file", "pointer" or "line" and "column", "code", "detail"}], at most kViolationsMax.
+/// [{"file", "pointer", "line", "column", "code", "detail"}], those that are known, at most kViolationsMax.
 /// api/schemas/problem.schema.json#/$defs/error
 Json errors_json(const std::vector<Violation>& violations);
 

@@ -59,6 +59,14 @@ bool is_control(char c) {
   return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
 }
 
+/// Takes an unknown member as the one whose name is much like its own, where that is not there: two thirds of
+/// the letters are right. A suggestion is made sooner, and may be wrong.
+void take_as_meant(const Node& object, const std::string& name, std::span<const std::string_view> known) {
+  const auto meant = nearest_name(name, known);
+  if (!meant || 3 * edit_distance(name, *meant) > meant->size() + 1 || object.json->contains(*meant)) return;
+  object.findings->misspelt.emplace(object.pointer + '/' + pointer_step(*meant), name);
+}
+
 /// The value as a whole number, none where it is negative or too large for one.
 std::optional<std::uint64_t> as_whole(const ParsedJson& json) {
   if (json.is_number_unsigned()) return json.get<std::uint64_t>();
@@ -90,8 +98,9 @@ bool is_object_of(const Node& node, std::span<const std::string_view> known) {
   }
   for (const auto& [name, value] : node.json->items()) {
     if (node.findings->violations.size() >= kViolationsMax) break;  // or a million names would be compared
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      add_violation(node, name, "unknown_field", "is not a field here" + suggestion(name, known));
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    add_violation(node, name, "unknown_field", "is not a field here" + suggestion(name, known));
+    take_as_meant(node, name, known);
   }
   return true;
 }
@@ -127,8 +136,13 @@ bool is_array_of(const Node& node, std::size_t least, std::size_t most) {
 
 std::optional<Node> member(const Node& object, std::string_view name) {
   const auto found = object.json->find(name);
-  if (found == object.json->end()) return std::nullopt;
-  return Node{&*found, object.pointer + '/' + pointer_step(name), object.findings};
+  if (found != object.json->end())
+    return Node{&*found, object.pointer + '/' + pointer_step(name), object.findings};
+  const auto& misspelt = object.findings->misspelt;
+  if (misspelt.empty()) return std::nullopt;
+  const auto meant = misspelt.find(object.pointer + '/' + pointer_step(name));
+  if (meant == misspelt.end()) return std::nullopt;
+  return member(object, meant->second);
 }
 
 std::optional<Node> required(const Node& object, std::string_view name) {

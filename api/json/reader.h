@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,6 +24,8 @@ namespace api {
 struct Findings {
   std::string file;
   std::vector<Violation> violations;
+  /// Pointer to a member that is not there -> the name of the unknown one beside it that was meant.
+  std::map<std::string, std::string, std::less<>> misspelt = {};
 };
 
 /// A value of the document, where it stands, and where to say what is wrong with it.
@@ -43,7 +47,9 @@ bool is_object_of_at_most(const Node& node, std::size_t most);
 /// True for an array of `least` .. `most` elements.
 bool is_array_of(const Node& node, std::size_t least, std::size_t most);
 
-/// A member, if it is there; of `required`, its absence is a violation. `object` must be an object.
+/// A member, if it is there; of `required`, its absence is a violation. `object` must be an object. One whose
+/// name is misspelt, as is_object_of has said, is taken as what it was meant to be: no errors that only
+/// follow.
 std::optional<Node> member(const Node& object, std::string_view name);
 std::optional<Node> required(const Node& object, std::string_view name);
 Node element(const Node& array, std::size_t index);

@@ -5,24 +5,11 @@
 #include <string>
 #include <utility>
 
+#include "api/json/text_place.h"
 #include "api/pointer_step.h"
 
 namespace api {
 namespace {
-
-struct Place {
-  std::uint32_t line = 1;
-  std::uint32_t column = 1;
-};
-
-Place place_of(std::string_view bytes, std::size_t offset) {
-  const std::string_view before = bytes.substr(0, offset);
-  const auto line_start = before.rfind('\n');
-  const std::size_t column =
-      line_start == std::string_view::npos ? before.size() : before.size() - line_start - 1;
-  return {static_cast<std::uint32_t>(1 + std::count(before.begin(), before.end(), '\n')),
-          static_cast<std::uint32_t>(1 + column)};
-}
 
 /// Offset of the first bracket that opens beyond `depth`. Found by counting, before any parser that could
 /// run out of stack sees the document.
@@ -88,7 +75,7 @@ class StrictCheck final : public nlohmann::json_sax<ParsedJson> {
 
   bool parse_error(std::size_t position, const std::string&,
                    const nlohmann::detail::exception& error) override {
-    const Place place = place_of(bytes_, std::min(position > 0 ? position - 1 : 0, bytes_.size()));
+    const TextPlace place = place_of(bytes_, std::min(position > 0 ? position - 1 : 0, bytes_.size()));
     constexpr int kNumberOverflow = 406;  // of nlohmann_json: the text is right, but no double is that large
     if (error.id == kNumberOverflow)
       add({file_, pointer(1), place.line, place.column, "out_of_range", "is too large for a number"});
@@ -160,7 +147,7 @@ std::optional<ParsedJson> parse_strictly(std::string_view bytes, std::string_vie
     return std::nullopt;
   }
   if (const auto deep = first_too_deep(bytes, limits.depth)) {
-    const Place place = place_of(bytes, *deep);
+    const TextPlace place = place_of(bytes, *deep);
     violations.push_back({std::string(file), "", place.line, place.column, "too_deep",
                           "is nested more than " + std::to_string(limits.depth) + " levels deep"});
     return std::nullopt;

@@ -2,6 +2,7 @@
 #include "api/json/job_sections.h"
 #include "api/json/json_text.h"
 #include "api/nearest_name.h"
+#include "api/value_places.h"
 #include "api/view_request.h"
 
 namespace api {
@@ -110,6 +111,7 @@ Result<ViewRequest> parse_view_request(std::string_view bytes, const ViewedJob& 
     check_size(root, view);
     if (camera && findings.violations.empty()) view.canonical_json = canonical(*camera->json, view);
   }
+  add_places(bytes, file, findings.violations);
   if (!findings.violations.empty()) return refusal(file, std::move(findings.violations));
   return view;
 }

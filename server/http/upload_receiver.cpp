@@ -89,7 +89,13 @@ std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::
                     "'; known are scene, materials, textures, animation, options, archive");
     return std::nullopt;
   }
-  if (!known->stored_as.empty()) return InputFile{std::string(known->stored_as), known->role};
+  if (!known->stored_as.empty()) {
+    // What has no name is sent under its part's, or as standard input.
+    if (const auto given = safe_base_name(file_name);
+        given && *given != known->stored_as && *given != field && *given != "-")
+      given_names_[std::string(known->stored_as)] = *given;
+    return InputFile{std::string(known->stored_as), known->role};
+  }
   auto name = safe_base_name(file_name);
   const bool reserved =
       name && std::any_of(kReservedNames.begin(), kReservedNames.end(),
@@ -102,6 +108,22 @@ std::optional<InputFile> UploadReceiver::input_for(std::string_view field, std::
     return std::nullopt;
   }
   return InputFile{std::move(*name), known->role};
+}
+
+std::string UploadReceiver::shown_name(const InputFile& input) const {
+  const auto given = given_names_.find(input.name);
+  return given == given_names_.end() ? input.name : given->second;
+}
+
+// Beside the inputs, for the worker, whose reports then call them so.
+bool UploadReceiver::keep_names() {
+  if (given_names_.empty()) return true;
+  const std::filesystem::path path = input_folder_.parent_path() / api::kGivenNamesFile;
+  const FileHandle file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file) return refuse({0, file_error(path.string(), errno)});
+  if (const api::Status written = write_all(file, api::given_names_json(given_names_)); !written)
+    return refuse({0, written.error()});
+  return true;
 }
 
 bool UploadReceiver::has_room_for(const InputFile& input) {
@@ -173,10 +195,10 @@ bool UploadReceiver::take(std::string_view bytes) {
   input.bytes += static_cast<std::int64_t>(bytes.size());
   total_bytes_ += static_cast<std::int64_t>(bytes.size());
   if (total_bytes_ > limits_.total_bytes)
-    return refuse_part(input.name, "too_large",
+    return refuse_part(shown_name(input), "too_large",
                        "the upload is larger than " + std::to_string(limits_.total_bytes) + " bytes", 413);
   if (input.role == InputRole::animation && input.bytes > limits_.animation_bytes)
-    return refuse_part(input.name, "too_large",
+    return refuse_part(shown_name(input), "too_large",
                        "animation is larger than " + std::to_string(limits_.animation_bytes) + " bytes", 413);
   return write(bytes);
 }
@@ -214,6 +236,7 @@ api::Result<Upload> UploadReceiver::finish() {
       refuse_part(needed, "missing",
                   "the part '" + std::string(needed.substr(0, needed.find('.'))) + "' is missing");
   }
+  if (!refusal_) (void)keep_names();
   if (refusal_) return refusal_->error;
   finished_ = true;
   room_.release();

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "api/given_names.h"
 #include "api/job_request.h"
 #include "api/result.h"
 #include "server/archives/archive.h"
@@ -67,6 +68,8 @@ class UploadReceiver {
   api::Status take_entry(const std::string& name);
   bool open_file(const std::filesystem::path& path);
   bool close_file();
+  std::string shown_name(const InputFile& input) const;
+  bool keep_names();
   std::optional<InputFile> input_for(std::string_view field, std::string_view file_name);
   bool has_room_for(const InputFile& input);
 
@@ -79,7 +82,8 @@ class UploadReceiver {
   Sha256 digest_;  ///< of what is in that file so far
   std::string last_sha256_;
   std::vector<InputFile> inputs_;  ///< the last one is being received
-  std::string options_;            ///< of the part `options`, which is no file
+  api::GivenNames given_names_;
+  std::string options_;  ///< of the part `options`, which is no file
   bool has_options_ = false;
   bool in_options_ = false;  ///< that part is being received
   bool has_archive_ = false;

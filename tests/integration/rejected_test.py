@@ -76,6 +76,32 @@ class Rejected(ServiceTestCase):
             self.assertIn(f"keylume: {file}", run.stderr)
         self.expect_the_queue_goes_on()
 
+    def test_places_are_in_the_files_as_they_were_sent(self):
+        job = write_job(self.folder / "job", frames=2)
+        changed(job, lambda animation: animation["objects"].update(lantern={}))
+        animation = job / "animation.json"
+        animation.write_text(json.dumps(json.loads(animation.read_text()), indent=1))
+        lines = animation.read_text().splitlines()
+        line = next(i for i, text in enumerate(lines, 1) if '"lantern"' in text)
+        with open(job / "scene.obj", "a") as scene:
+            scene.write("f 1 2 999999\n")
+        fields = [f"scene=@{job / 'scene.obj'};filename=my hall.obj", f"animation=@{animation};filename=C:\\walk.v2.json",
+                  f"materials=@{next(job.glob('*.mtl'))}"]
+        words = [word for field in fields for word in ("-F", field)]
+        for path in ("/v1/jobs", "/v1/validate"):
+            face, name = self.expect_refused(self.running.get(path, *words), path)
+            self.assertEqual((face["file"], face["code"]), ("my hall.obj", "index_out_of_range"))
+            self.assertEqual((name["file"], name["pointer"], name["line"]), ("walk.v2.json", "/objects/lantern", line))
+            self.assertEqual(lines[line - 1][name["column"] - 1], "{")
+            self.assertIn("my hall.obj has no object or group", name["detail"])
+
+    def test_a_misspelt_section_is_one_error(self):
+        job = write_job(self.folder / "job", frames=9)
+        changed(job, lambda animation: animation.update(fraems=animation.pop("frames")))
+        (error,) = self.expect_refused(self.running.submit(job), "a typo")
+        self.assertEqual((error["pointer"], error["code"]), ("/fraems", "unknown_field"))
+        self.assertIn('did you mean "frames"?', error["detail"])
+
     def test_a_scene_sent_by_name_instead_of_as_a_file_is_told_so(self):
         job = write_job(self.folder / "job", frames=2)
         answer = curl(self.running.url + "/v1/jobs", "-F", "scene=scene.obj", "-F",
