@@ -161,10 +161,13 @@ int run(const Config& config) {
   HttpMetrics http_metrics;
   JobMetrics job_metrics;
   EventHub hub(**events);
-  IntegrityCheck integrity(**store, *folder, integrity_rules(config));
   Router router, ops_router;
   add_job_routes(router, jobs);
   ViewService views(jobs, *folder, view_rules(config));
+  IntegrityCheck integrity(**store, *folder, integrity_rules(config));  // after what it looks at
+  integrity.also([&](std::chrono::milliseconds time_max, const std::atomic<bool>& stopping) {
+    return views.check_made(time_max, stopping);
+  });
   add_result_routes(router, jobs, &views);
   add_view_routes(router, jobs, views);
   add_event_routes(router, jobs, hub);

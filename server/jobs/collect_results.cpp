@@ -143,6 +143,7 @@ api::JobReport read_report_file(const std::filesystem::path& job_folder, std::st
   };
   const auto bytes = read_below(job_folder, file, kReportBytesMax);
   if (!bytes) return bytes.error().fault == api::Fault::not_found ? api::JobReport{} : dropped(bytes.error());
+  if (bytes->empty()) return {};  // of a worker that has ended before it wrote one
   auto report = api::parse_job_report(*bytes);
   return report ? std::move(*report) : dropped(report.error());
 }
@@ -153,12 +154,13 @@ api::JobReport read_report_at(const std::filesystem::path& folder, std::string_v
   return read_report_file(folder, file);
 }
 
-api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder) {
+api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder,
+                                                     const std::atomic<bool>& stopping) {
   const auto manifest = read_below(folder, kManifest, bytes_of_manifest(kViewFilesMax));
   if (!manifest) return manifest.error();
   auto files = parse_manifest(*manifest, kViewFilesMax);
   if (!files) return files;
-  if (const api::Status whole = check(folder, *files); !whole) return whole.error();
+  if (const api::Status whole = check(folder, *files, stopping); !whole) return whole.error();
   return files;
 }
 

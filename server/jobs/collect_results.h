@@ -21,7 +21,9 @@ api::Result<Results> collect_results(const std::filesystem::path& job_folder, st
                                      const std::atomic<bool>& stopping = kNeverStops);
 
 /// The same of any folder with a manifest.json, without key-frames: its files, manifest.json not among them.
-api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder);
+/// Errors: the same.
+api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder,
+                                                     const std::atomic<bool>& stopping = kNeverStops);
 
 /// `file` of `folder` as a report, checked; none or a broken one: an empty report.
 api::JobReport read_report_at(const std::filesystem::path& folder, std::string_view file);

@@ -79,7 +79,8 @@ void IntegrityCheck::run() {
 
 api::Status IntegrityCheck::check() {
   if (api::Status done = check_database(); !done) return done;
-  return check_files();
+  if (api::Status done = check_files(); !done || !beside_) return done;
+  return beside_(rules_.time_max, stopping_);
 }
 
 api::Status IntegrityCheck::check_database() {

@@ -6,9 +6,11 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "api/result.h"
@@ -21,7 +23,7 @@ namespace server {
 struct IntegrityRules {
   std::chrono::milliseconds every = std::chrono::hours(24);  ///< from one check to the next; 0: never
   std::chrono::milliseconds time_max =
-      std::chrono::hours(1);  ///< of a check; the next one goes on from there
+      std::chrono::hours(1);  ///< of a check, and as long beside it; the next one goes on from there
 };
 
 struct IntegrityReport {
@@ -42,6 +44,13 @@ class IntegrityCheck {
   ~IntegrityCheck() { stop(); }
   IntegrityCheck(const IntegrityCheck&) = delete;
   IntegrityCheck& operator=(const IntegrityCheck&) = delete;
+
+  /// Looked at after the files of every check, by its thread, for up to so long; ends soon after `stopping`
+  /// turns true.
+  using Beside =
+      std::function<api::Status(std::chrono::milliseconds time_max, const std::atomic<bool>& stopping)>;
+  /// Before start().
+  void also(Beside beside) { beside_ = std::move(beside); }
 
   /// From now on a check every `rules.every`, counted from the last one, also where that was before a
   /// restart.
@@ -64,6 +73,7 @@ class IntegrityCheck {
   const DataFolder& folder_;
   const IntegrityRules rules_;
   const Clock clock_;
+  Beside beside_;
   std::atomic<bool> stopping_ = false;
   mutable std::mutex mutex_;  ///< of what follows
   std::condition_variable stopped_;

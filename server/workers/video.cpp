@@ -1,13 +1,18 @@
-// Videos, by ffmpeg: our own limited child, told by arguments, without a shell.
+// Videos, by ffmpeg: our own child, told by arguments, without a shell, and shut in as a worker is (keylume
+// confine): it decodes pictures that a worker has made, who may have lied.
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
 
+#include "api/fault_point.h"
 #include "server/artefacts/verify.h"
 #include "server/workers/run_child.h"
 #include "server/workers/view_service.h"
@@ -24,18 +29,6 @@ api::Error failure_of(const ChildOutcome& outcome, const std::filesystem::path& 
   if (full || (free && *free < kRoomBytes))
     return {api::Fault::disk_full, "the disk is full: " + outcome.log_tail};
   return {api::Fault::internal, "ffmpeg failed: " + outcome.log_tail};
-}
-
-/// What was to become `file` and never did.
-void remove_leftovers(const std::filesystem::path& folder, const std::string& file) {
-  std::vector<std::filesystem::path> found;
-  std::error_code failed;
-  for (std::filesystem::directory_iterator at(folder, failed), end; !failed && at != end;
-       at.increment(failed))
-    if (const std::string name = at->path().filename().string();
-        name.starts_with(".tmp.") && name.ends_with("." + file))
-      found.push_back(at->path());
-  for (const auto& path : found) std::filesystem::remove(path, failed);
 }
 
 /// In the name of a sequence of pictures % begins a number.
@@ -92,6 +85,23 @@ std::vector<std::string> arguments_for(const std::filesystem::path& pictures, do
   return arguments;
 }
 
+/// An empty file, the one thing that ffmpeg may write to.
+api::Status make_empty(const std::filesystem::path& file) {
+  ::unlink(file.c_str());
+  const FileHandle made(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0640));
+  return made ? api::Status(api::Done{}) : file_error(file.string(), errno);
+}
+
+/// `ffmpeg` with `its` arguments, which reads `pictures` and writes the file `to`.
+std::vector<std::string> confined(const std::filesystem::path& ffmpeg, const std::filesystem::path& pictures,
+                                  const std::filesystem::path& to, const std::vector<std::string>& its) {
+  std::vector<std::string> arguments{"confine",      "--reads",  pictures.string(),          "--writes",
+                                     to.string(),    "--parent", std::to_string(::getpid()), "--",
+                                     ffmpeg.string()};
+  arguments.insert(arguments.end(), its.begin(), its.end());
+  return arguments;
+}
+
 }  // namespace
 
 std::filesystem::path find_ffmpeg() {
@@ -115,15 +125,16 @@ api::Status ViewService::make_video(const Job& job, const std::string& camera, c
   std::error_code failed;
   std::filesystem::create_directory(folder, failed);
   if (failed) return file_error(folder.string(), failed.value());
-  // One that a server before this one has left is nobody's; ours no other process writes, whatever became of
-  // its ffmpeg.
-  remove_leftovers(folder, file.filename().string());
+  // Named by this process: what became of an ffmpeg of a server before it writes elsewhere.
   const std::filesystem::path temporary =
       folder / (".tmp." + std::to_string(::getpid()) + "." + file.filename().string());
+  if (api::Status made = make_empty(temporary); !made) return made;
+  std::filesystem::remove(sum_of(file), failed);  // of one that is gone
+  const std::filesystem::path pictures = jobs_.folder_of(job) / "artefacts/images" / camera;
   ChildTask task;
-  task.program = rules_.ffmpeg;
+  task.program = rules_.program;
   task.arguments =
-      arguments_for(jobs_.folder_of(job) / "artefacts/images" / camera, job.fps, extension, temporary);
+      confined(rules_.ffmpeg, pictures, temporary, arguments_for(pictures, job.fps, extension, temporary));
   task.limits.memory_bytes = rules_.ffmpeg_memory_bytes;
   task.limits.file_bytes = std::uint64_t{4} << 30;
   task.limits.open_files = 64;
@@ -139,8 +150,12 @@ api::Status ViewService::make_video(const Job& job, const std::string& camera, c
     const auto hash = sha256_of(*made);
     if (!hash) return hash.error();
     if (::fsync(made->get()) != 0) return file_error("sync a video", errno);
+    api::fault_point("video_written");
     if (::rename(temporary.c_str(), file.c_str()) != 0) return file_error(file.string(), errno);
-    return write_durably(folder / (file.filename().string() + ".sha256"), *hash);
+    api::fault_point("video_renamed");
+    if (api::Status kept = write_durably(sum_of(file), *hash); !kept) return kept;
+    api::fault_point("video_summed");
+    return api::Done{};
   };
   api::Status status = finish();
   if (!status) std::filesystem::remove(temporary, failed);
@@ -155,9 +170,9 @@ api::Result<Video> ViewService::ask_video(const Job& job, const std::string& cam
   const std::lock_guard lock(mutex_);
   if (const auto still = jobs_.job(job.id); !still) return still.error();
   const auto hash = read_below(videos_of(job), video.file + ".sha256", kSumBytes);
-  if (hash && hash->size() == kSumBytes && hash->find_first_not_of("0123456789abcdef") == hash->npos) {
-    const auto file = open_below(videos_of(job), video.file);
-    if (!file) return api::Error{api::Fault::internal, file.error().message};
+  const auto file = open_below(videos_of(job), video.file);
+  if (hash && file && hash->size() == kSumBytes &&
+      hash->find_first_not_of("0123456789abcdef") == hash->npos) {
     const auto bytes = size_of(*file);
     if (!bytes) return bytes.error();
     video.state = MadeState::ready;

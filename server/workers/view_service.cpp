@@ -10,25 +10,18 @@
 #include <utility>
 
 #include "api/exit_code.h"
+#include "api/fault_point.h"
 #include "server/artefacts/verify.h"
 #include "server/jobs/collect_results.h"
 #include "server/log.h"
 #include "server/workers/run_child.h"
+#include "server/workers/view_files.h"
 #include "server/workers/view_hashes.h"
 
 namespace server {
 namespace {
 
-constexpr std::size_t kNameBytes = 32;
 constexpr std::size_t kVerifiedMax = 64;
-
-std::string key_of(std::string_view job_id, std::string_view name) {
-  return std::string(job_id) + "/views/" + std::string(name);
-}
-
-bool is_view_name(std::string_view name) {
-  return name.size() == kNameBytes && name.find_first_not_of("0123456789abcdef") == name.npos;
-}
 
 api::Status make_folder(const std::filesystem::path& folder) {
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return file_error(folder.string(), errno);
@@ -96,7 +89,7 @@ std::string_view name_of(MadeState state) {
 }
 
 std::string view_name(const api::ViewRequest& request) {
-  return sha256_of(request.canonical_json).substr(0, kNameBytes);
+  return sha256_of(request.canonical_json).substr(0, kViewNameBytes);
 }
 
 ViewService::ViewService(JobService& jobs, const DataFolder& folder, ViewRules rules)
@@ -117,8 +110,9 @@ void ViewService::take_up_again() {
   for (std::filesystem::directory_iterator at(folder_.jobs(), failed), end; !failed && at != end;
        at.increment(failed)) {
     const std::string id = at->path().filename().string();
+    remove_half_made(at->path());
     for (const std::string& name : promised_in(at->path() / "views"))
-      if (const auto asked = maker_.ask(key_of(id, name), work_of(id, name)); !asked)
+      if (const auto asked = maker_.ask(key_of_view(id, name), work_of(id, name)); !asked)
         log_line(id + ": a view waits for the next start: " + asked.error().message);
   }
 }
@@ -160,6 +154,7 @@ api::Status ViewService::make_view(const std::string& job_id, const std::string&
   if (status) {
     remove_quietly(hashes_of(*job, name));  // whoever has written it, it was not we
     const auto files = verified_files(*job, name);
+    api::fault_point("view_hashed");
     if (!files) status = api::Error{api::Fault::internal, files.error().message};
   }
   remove_quietly(views / (name + ".report.json"));
@@ -175,7 +170,7 @@ api::Status ViewService::make_view(const std::string& job_id, const std::string&
 // Without mutex_: reading large files takes long, and is done once, when the view is made; of a view of an
 // earlier version, when it is asked for first.
 api::Result<std::vector<ArtefactFile>> ViewService::verified_files(const Job& job, std::string_view name) {
-  const std::string key = key_of(job.id, name);
+  const std::string key = key_of_view(job.id, name);
   {
     const std::lock_guard lock(mutex_);
     if (const auto known = verified_.find(key); known != verified_.end()) return known->second;
@@ -205,7 +200,9 @@ api::Status ViewService::promise(const Job& job, const std::string& name, const 
     return api::Error{api::Fault::out_of_resources,
                       "the job has " + std::to_string(rules_.views_per_job_max) + " views; delete some"};
   if (auto written = write_durably(views_of(job) / (name + ".json"), request_json); !written) return written;
-  return sync_folder(jobs_.folder_of(job));
+  if (auto synced = sync_folder(jobs_.folder_of(job)); !synced) return synced;
+  api::fault_point("view_promised");
+  return api::Done{};
 }
 
 api::Result<View> ViewService::ask(const Job& job, const api::ViewRequest& request) {
@@ -213,13 +210,13 @@ api::Result<View> ViewService::ask(const Job& job, const api::ViewRequest& reque
   {
     const std::lock_guard lock(mutex_);
     if (const auto still = jobs_.job(job.id); !still) return still.error();
-    const Maker::State state = maker_.look(key_of(job.id, name)).state;
+    const Maker::State state = maker_.look(key_of_view(job.id, name)).state;
     const bool comes = state == Maker::State::waiting || state == Maker::State::making;
     if (!comes && !std::filesystem::exists(views_of(job) / name)) {
       // How large it will be is not known; who is over the quota makes no more.
       if (auto room = jobs_.within_quota(job.owner, 1); !room) return room.error();
       if (auto promised = promise(job, name, request.canonical_json); !promised) return promised.error();
-      if (auto asked = maker_.ask(key_of(job.id, name), work_of(job.id, name)); !asked) {
+      if (auto asked = maker_.ask(key_of_view(job.id, name), work_of(job.id, name)); !asked) {
         remove_quietly(views_of(job) / (name + ".json"));
         return asked.error();
       }
@@ -236,7 +233,7 @@ api::Result<View> ViewService::view(const Job& job, std::string_view name) {
   std::unique_lock lock(mutex_);
   const auto request = read_below(views_of(job), view.name + ".json", api::kViewBytesMax);
   if (request) view.request_json = *request;
-  const Maker::Look look = maker_.look(key_of(job.id, name));
+  const Maker::Look look = maker_.look(key_of_view(job.id, name));
   if (look.state == Maker::State::waiting) view.state = MadeState::waiting, view.error = look.error;
   if (look.state == Maker::State::making) view.state = MadeState::making;
   if (look.state == Maker::State::failed) view.state = MadeState::failed, view.error = look.error;
@@ -268,9 +265,9 @@ std::vector<std::string> ViewService::names(const Job& job) const {
 api::Status ViewService::remove(const Job& job, std::string_view name) {
   if (const auto known = view(job, name); !known) return known.error();
   const std::lock_guard lock(mutex_);
-  if (!maker_.forget(key_of(job.id, name)))
+  if (!maker_.forget(key_of_view(job.id, name)))
     return api::Error{api::Fault::wrong_state, "the view is being made; delete it when it is ready"};
-  verified_.erase(key_of(job.id, name));
+  verified_.erase(key_of_view(job.id, name));
   // The request last: after a crash in between the view is made again, and can be removed again.
   const std::filesystem::path folder = views_of(job) / name;
   if (auto removed = remove_tree(folder); !removed) return removed;

@@ -4,6 +4,8 @@
 //   jobs/<id>/views/<name>.hashes        of what it has made of it; read again where it is not there
 //   jobs/<id>/views/<name>/              what `keylume view` has made of it, manifest.json among it
 //   jobs/<id>/videos/<camera>.mp4        and .sha256 beside it, which is written last
+//
+// What is called .tmp.* in these folders was never finished, or is on its way out.
 #pragma once
 
 #include <cstdint>
@@ -65,8 +67,12 @@ class ViewService {
  public:
   ViewService(JobService& jobs, const DataFolder& folder, ViewRules rules);
 
-  /// Has the views made that were promised when an earlier server ended.
+  /// Removes what an earlier server has left half made, and has the views made that it had promised.
   void take_up_again();
+  /// Reads views and videos again, of job after job, for up to `time_max`; goes on from there the next time.
+  /// One that is damaged is told of in the log and removed; a view is made again at once, a video when
+  /// somebody asks for it. One thread at a time. Errors: stopped, soon after `stopping` turns true.
+  api::Status check_made(std::chrono::milliseconds time_max, const std::atomic<bool>& stopping);
   void stop() { maker_.stop(); }
 
   /// Promises it: it is made also if the server ends before. The same request again answers how that stands.
@@ -103,13 +109,22 @@ class ViewService {
   api::Status make_video(const Job& job, const std::string& camera, const std::string& extension,
                          const std::atomic<bool>& stopping);
   api::Result<std::vector<ArtefactFile>> verified_files(const Job& job, std::string_view name);
+  static std::filesystem::path sum_of(const std::filesystem::path& video) {
+    return video.string() + ".sha256";
+  }
+  // check_made.cpp
+  api::Status check_job(const Job& job, const std::atomic<bool>& stopping);
+  api::Status check_view(const Job& job, const std::string& name, const std::atomic<bool>& stopping);
+  api::Status check_video(const Job& job, const std::string& file, const std::atomic<bool>& stopping);
+  void drop_view(const Job& job, const std::string& name, const std::string& why);
 
   JobService& jobs_;
   const DataFolder& folder_;
   ViewRules rules_;
   std::mutex mutex_;                                           ///< of asking, removing and of `verified_`
   std::map<std::string, std::vector<ArtefactFile>> verified_;  ///< "<job>/<view>", whose files were read
-  Maker maker_;                                                ///< last: its threads use the rest
+  std::string checked_;  ///< job whose views and videos were looked at last; empty: begins anew
+  Maker maker_;          ///< last: its threads use the rest
 };
 
 }  // namespace server

@@ -13,6 +13,7 @@ import time
 import unittest
 
 from curl import curl
+from finished_jobs import finish_jobs
 from service import SERVER, Service, ServiceTestCase, hashes_of, wait_until
 from small_disk import SmallDiskTestCase, armed, go_on, is_halted
 from small_jobs import write_job
@@ -27,15 +28,8 @@ class DiskFull(SmallDiskTestCase):
     @classmethod
     def setUpClass(cls):
         """What comes of it where there is room."""
-        roomy = ServiceTestCase()
-        roomy.setUp()
-        cls.addClassCleanup(roomy.doCleanups)
-        cls.input = write_job(roomy.folder / "job", **JOB)
-        service = roomy.service()
-        job_id = roomy.submitted(service, cls.input)
-        service.wait_for(job_id, ["succeeded"], 120)
-        cls.expected = hashes_of(service.job_folder(job_id) / "artefacts")
-        service.stop()
+        roomy = finish_jobs(cls, **JOB)
+        cls.input, cls.expected = roomy.input, roomy.expected
 
     def expect_whole(self, service, job_id, timeout_s=120):
         job = service.wait_for(job_id, ["succeeded"], timeout_s)

@@ -4,6 +4,7 @@ is given wrong bytes."""
 import hashlib
 import io
 import json
+import shutil
 import subprocess
 import tarfile
 import unittest
@@ -150,6 +151,73 @@ class Integrity(ServiceTestCase):
         self.assertEqual((refused.status, refused.json()["errors"][0]["code"]), (422, "unknown_blob"))
         self.assertEqual(service.get(f"/v1/blobs/sha256/{scene['sha256']}", "-T", str(path)).status, 201)
         self.assertEqual(service.get("/v1/jobs", *post).status, 202)
+
+    def view_of(self, service, job_id):
+        """Has a view made. -> its address, its folder, the body of its picture"""
+        view = {"camera": {"position": [1, 1, 1.5], "target": [3, 3, 1]}, "frames": [0], "width": 64, "height": 36}
+        address = service.get(f"/v1/jobs/{job_id}/views", "-H", "Content-Type: application/json", "--data-binary",
+                              json.dumps(view)).json()["links"]["self"]
+        wait_until(lambda: service.get(address).json()["state"] == "ready", 60, "the view is made")
+        return address, service.job_folder(job_id) / "views" / address.split("/")[-1], self.picture_of(service, address)
+
+    def picture_of(self, service, address):
+        answer = service.get(service.get(address).json()["files"][0]["href"])
+        self.assertEqual(answer.status, 200)
+        return answer.body
+
+    def logged(self, service, *parts):
+        lines = [json.loads(line)["message"] for line in service.log.read_text().splitlines() if line.startswith("{")]
+        return sum(all(part in line for part in ("integrity check", *parts)) for line in lines)
+
+    def test_a_damaged_view_is_made_again(self):
+        service, job_id = self.running()
+        address, folder, picture = self.view_of(service, job_id)
+        png = next(folder.rglob("*.png"))
+        self.rounds(service)
+        self.rounds(service)
+        self.assertEqual(self.logged(service, folder.name), 0, "nothing was wrong with it")
+        damages = {"changed": lambda: self.flip(png), "removed": png.unlink,
+                   "manifest changed": lambda: self.flip(folder / "manifest.json"),
+                   "hashes changed": lambda: self.flip_at(folder.with_name(folder.name + ".hashes"), 20),
+                   "another picture": lambda: self.replace_consistently(folder, png)}
+        for number, (what, damage) in enumerate(damages.items()):
+            with self.subTest(what=what):
+                damage()
+                wait_until(lambda: self.logged(service, folder.name, "made again") == number + 1, 30, "it is told of")
+                wait_until(lambda: service.get(address).json().get("state") == "ready", 60, "it is made again")
+                self.assertEqual(self.picture_of(service, address), picture)
+        self.assertEqual(self.metric(service, "damaged_files"), 0, "the job itself is whole")
+        self.assertEqual(sorted(path.name for path in folder.parent.iterdir()),
+                         [folder.name, folder.name + ".hashes", folder.name + ".json"])
+
+    def flip_at(self, file, position):
+        text = bytearray(file.read_bytes())
+        text[position] = ord("0") if text[position] != ord("0") else ord("1")
+        file.write_bytes(text)
+
+    def replace_consistently(self, folder, png):
+        """As somebody does who knows of the manifest, but not of the hashes that were kept."""
+        before = hashlib.sha256(png.read_bytes()).hexdigest()
+        self.flip(png)
+        manifest = folder / "manifest.json"
+        manifest.write_text(manifest.read_text().replace(before, hashlib.sha256(png.read_bytes()).hexdigest()))
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg here")
+    def test_a_damaged_video_is_made_again_when_it_is_asked_for(self):
+        service, job_id = self.running()
+        path = f"/v1/jobs/{job_id}/video.mp4"
+
+        def video():
+            answer = service.get(path)
+            return answer.body if answer.status == 200 else None
+        before = wait_until(video, 60, "the video is made")
+        mp4 = next((service.job_folder(job_id) / "videos").glob("*.mp4"))
+        self.flip(mp4)
+        wait_until(lambda: self.logged(service, mp4.name, "asked for") == 1, 30, "it is told of")
+        self.assertEqual(list(mp4.parent.iterdir()), [])
+        self.assertEqual(wait_until(video, 60, "it is made again"), before)
+        mp4.unlink()
+        self.assertEqual(wait_until(video, 60, "one that is gone, too"), before)
 
     def test_a_picture_that_is_gone_is_damage_too(self):
         service, job_id = self.running()

@@ -6,9 +6,9 @@ import subprocess
 import time
 import unittest
 
+from finished_jobs import finish_jobs
 from service import SERVER, Service, ServiceTestCase, hashes_of
 from small_disk import armed
-from small_jobs import write_job
 
 JOB = {"frames": 2, "line_count": 20_000, "moving_line_count": 10_000, "patch_edge_m": 1.5, "samples_per_light": 1}
 # Places in their order.
@@ -28,16 +28,8 @@ def command(*words):
 class UpkeepKilled(ServiceTestCase):
     @classmethod
     def setUpClass(cls):
-        shared = ServiceTestCase()
-        shared.setUp()
-        cls.addClassCleanup(shared.doCleanups)
-        cls.input = write_job(shared.folder / "job", **JOB)
-        service = shared.service()
-        cls.jobs = [shared.submitted(service, cls.input) for _ in range(2)]
-        for job_id in cls.jobs:
-            service.wait_for(job_id, ["succeeded"], 120)
-        assert service.stop() == 0
-        cls.data = service.data
+        finished = finish_jobs(cls, count=2, **JOB)
+        cls.input, cls.jobs, cls.data = finished.input, finished.ids, finished.data
         cls.before = hashes_of(cls.data)
 
     def cut_off(self, place, *words):

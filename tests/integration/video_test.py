@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Videos: made once on request, kept, with the frames and the size of the job."""
+"""Videos: made once on request, kept, with the frames and the size of the job, by an ffmpeg that is shut in."""
 import hashlib
 import json
 import os
@@ -8,6 +8,7 @@ import subprocess
 import unittest
 
 import service as service_module
+from curl import curl
 from service import ServiceTestCase, wait_until
 from small_jobs import write_job
 
@@ -48,18 +49,69 @@ class Videos(ServiceTestCase):
         self.assertLess(mp4.index(b"moov"), mp4.index(b"mdat"), "the index comes first: it starts at once")
         self.assertEqual(service.get(f"/v1/jobs/{job_id}/video.mp4?camera=nobody").status, 404)
 
+    def service_with_path(self, folder):
+        """A service whose PATH is that folder alone."""
+        (folder / "curl").symlink_to(shutil.which("curl"))
+        running = service_module.Service(self.folder / "data")
+        self.addCleanup(running.clean_up)
+        self.addCleanup(os.environ.__setitem__, "PATH", os.environ["PATH"])
+        os.environ["PATH"] = str(folder)
+        return running.start()
+
+    def video_of(self, running, job_id, checked=True):
+        def answered():
+            answer = curl(f"{running.url}/v1/jobs/{job_id}/video.mp4", checked=checked)
+            return answer if answer.status != 202 else None
+        return wait_until(answered, 60, "a video, or why there is none")
+
+    def test_an_ffmpeg_that_is_taken_over_reaches_nothing(self):
+        tools = self.folder / "bin"
+        tools.mkdir()
+        (tools / "ffmpeg").symlink_to(os.environ["KEYLUME_FAKE_FFMPEG"])
+        running = self.service_with_path(tools)
+        job_id = self.finished(running)
+        folder = running.job_folder(job_id)
+        before = {path: path.read_bytes() for part in ("input", "artefacts") for path in (folder / part).rglob("*")
+                  if path.is_file()}
+        said = dict(line.split(": ") for line in self.video_of(running, job_id).body.decode().splitlines())
+        print(said)
+        in_force = running.get("/version").json()["worker_sandbox"]
+        for name in ("read a picture", "start a thread", "lead its own group"):
+            self.assertEqual(said[name], "done", name)
+        self.assertEqual((said["no_new_privs"], said["core"], said["open files"]), ("1", "0", "64"))
+        self.assertNotEqual(said["inherit files"], "done")
+        if "seccomp" in in_force:
+            for name in ("open a socket", "open a unix socket"):
+                self.assertEqual(said[name], "EPERM", name)
+            for name in ("run a program beside", "run a program instead", "run itself again", "signal the server"):
+                self.assertNotEqual(said[name], "done", name)
+        if "landlock" in in_force:
+            for name in ("write a picture", "read the scene", "read the radiosity", "write the radiosity",
+                         "write another video", "write in the job", "read the database", "write the database",
+                         "write outside", "read the passwords"):
+                self.assertEqual(said[name], "EACCES", name)
+            self.assertFalse((running.data.parent / "made").exists())
+            self.assertEqual(sorted(path.name.split(".", 1)[1] for path in (folder / "videos").iterdir()),
+                             ["mp4", "mp4.sha256"])
+        self.assertEqual({path: path.read_bytes() for path in before}, before)
+
+    def test_an_ffmpeg_that_cannot_be_run_is_a_problem_and_leaves_nothing(self):
+        tools = self.folder / "bin"
+        tools.mkdir()
+        (tools / "ffmpeg").write_text("#!/bin/sh\nexit 0\n")
+        (tools / "ffmpeg").chmod(0o755)
+        running = self.service_with_path(tools)
+        job_id = self.finished(running)
+        if "landlock" not in running.get("/version").json()["worker_sandbox"]:
+            self.skipTest("without Landlock a script is run")
+        answer = self.video_of(running, job_id, checked=False)
+        self.assertEqual(answer.status, 500, answer.body)
+        self.assertEqual(list((running.job_folder(job_id) / "videos").iterdir()), [])
+
     def test_without_ffmpeg_a_problem_says_so(self):
         empty = self.folder / "bin"
         empty.mkdir()
-        before = os.environ["PATH"]
-        self.addCleanup(os.environ.__setitem__, "PATH", before)
-        running = service_module.Service(self.folder / "data")
-        self.addCleanup(running.clean_up)
-        curl_folder = os.path.dirname(shutil.which("curl"))
-        for tool in ("curl",):
-            (empty / tool).symlink_to(os.path.join(curl_folder, tool))
-        os.environ["PATH"] = str(empty)
-        running.start()
+        running = self.service_with_path(empty)
         job_id = self.finished(running)
         answer = running.get(f"/v1/jobs/{job_id}/video.mp4")
         self.assertEqual((answer.status, answer.headers["content-type"]), (503, "application/problem+json"))

@@ -1,12 +1,16 @@
 // Views that are promised, without anybody who makes them; and the hashes of those that are made.
 #include "server/workers/view_service.h"
 
+#include <set>
+
 #include "server/artefacts/verify.h"
 #include "server/workers/view_hashes.h"
 #include "tests/unit/server/service_fixture.h"
 
 namespace server {
 namespace {
+
+using namespace std::chrono_literals;
 
 using ViewServiceTest = ServiceTest;
 
@@ -53,6 +57,74 @@ TEST_F(ViewServiceTest, HashesAreThoseOfWhenTheViewWasFirstRead) {
   EXPECT_EQ(view->files[0].sha256, sha256_of("bytes"));
   ASSERT_TRUE(views.remove(job, name));
   EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+class MadeFilesTest : public ViewServiceTest {
+ protected:
+  /// A view, as if it had been made; nobody makes it again.
+  std::filesystem::path with_view(const Job& job) {
+    const std::filesystem::path views = jobs_->folder_of(job) / "views";
+    write_text(views / (name_ + ".json"), "{}");
+    write_text(views / name_ / "0.png", "bytes");
+    write_text(views / name_ / "manifest.json",
+               R"({"artefacts":[{"path":"0.png","media_type":"image/png","bytes":5,"sha256":")" +
+                   sha256_of("bytes") + "\"}]}");
+    return views / name_;
+  }
+  ViewRules nobody_makes() {
+    ViewRules rules;
+    rules.at_once = 0;
+    return rules;
+  }
+  const std::string name_ = std::string(32, 'a');
+};
+
+TEST_F(MadeFilesTest, ADamagedViewIsRemovedAndPromisedAgain) {
+  const Job job = submit();
+  const std::filesystem::path view = with_view(job);
+  ViewService views(*jobs_, *folder_, nobody_makes());
+  ASSERT_TRUE(views.view(job, name_));
+  ASSERT_TRUE(views.check_made(1h, kNeverStops));
+  EXPECT_EQ(views.view(job, name_)->state, MadeState::ready);
+  write_text(view / "0.png", "other");
+  ASSERT_TRUE(views.check_made(1h, kNeverStops));
+  EXPECT_EQ(views.view(job, name_)->state, MadeState::waiting);
+  EXPECT_FALSE(std::filesystem::exists(view));
+  EXPECT_FALSE(std::filesystem::exists(view.string() + ".hashes"));
+}
+
+TEST_F(MadeFilesTest, EachCheckGoesOnFromWhereTheLastHadNoTimeLeft) {
+  const Job first = submit(), second = submit();
+  const std::filesystem::path views_of[] = {with_view(first), with_view(second)};
+  ViewService views(*jobs_, *folder_, nobody_makes());
+  for (const auto& view : views_of) write_text(view / "0.png", "other");
+  const auto left = [&] {
+    return std::filesystem::exists(views_of[0]) + std::filesystem::exists(views_of[1]);
+  };
+  ASSERT_TRUE(views.check_made(0ms, kNeverStops));
+  EXPECT_EQ(left(), 1);
+  ASSERT_TRUE(views.check_made(0ms, kNeverStops));
+  EXPECT_EQ(left(), 0);
+}
+
+TEST_F(MadeFilesTest, WhatWasNeverFinishedGoesAtTheNextStart) {
+  const Job job = submit();
+  const std::filesystem::path view = with_view(job), videos = jobs_->folder_of(job) / "videos";
+  write_text(view.parent_path() / (".tmp." + name_) / "0.png", "half");
+  write_text(view.parent_path() / (name_ + ".report.json"), "{}");
+  write_text(view.parent_path() / (std::string(32, 'b') + ".hashes"), "");
+  for (const char* name :
+       {".tmp.7.a.mp4", "unsummed.mp4", "gone.mp4.sha256", "whole.mp4", "whole.mp4.sha256"})
+    write_text(videos / name, "x");
+  ViewService(*jobs_, *folder_, nobody_makes()).take_up_again();
+  const auto names_in = [](const std::filesystem::path& folder) {
+    std::set<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      names.insert(entry.path().filename().string());
+    return names;
+  };
+  EXPECT_EQ(names_in(view.parent_path()), (std::set<std::string>{name_, name_ + ".json"}));
+  EXPECT_EQ(names_in(videos), (std::set<std::string>{"whole.mp4", "whole.mp4.sha256"}));
 }
 
 TEST_F(ViewServiceTest, AFileThatIsNotOursTellsNoHashes) {

@@ -1,0 +1,130 @@
+// Are views and videos still what they were when they were made? Unlike what a job's worker has left, they
+// can be made again: one that is damaged is removed.
+#include <algorithm>
+#include <utility>
+
+#include "server/artefacts/verify.h"
+#include "server/jobs/collect_results.h"
+#include "server/log.h"
+#include "server/workers/view_files.h"
+#include "server/workers/view_hashes.h"
+#include "server/workers/view_service.h"
+
+namespace server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kSumBytes = 64;
+
+std::vector<std::string> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code failed;
+  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+    names.push_back(at->path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+bool are_the_same(const std::vector<ArtefactFile>& left, const std::vector<ArtefactFile>& right) {
+  return std::equal(left.begin(), left.end(), right.begin(), right.end(),
+                    [](const ArtefactFile& a, const ArtefactFile& b) {
+                      return a.path == b.path && a.bytes == b.bytes && a.sha256 == b.sha256;
+                    });
+}
+
+/// What its manifest says of it, and what was kept when it was made.
+api::Status must_be_as_made(const fs::path& view, const fs::path& hashes, const std::atomic<bool>& stopping) {
+  const auto files = collect_files(view, stopping);
+  if (!files) return files.error();
+  const auto kept = read_view_hashes(hashes);
+  if (kept && !are_the_same(*kept, *files))
+    return api::Error{api::Fault::internal, "it is another view than was made"};
+  return api::Done{};
+}
+
+bool was_stopped(const api::Status& status) {
+  return !status && status.error().fault == api::Fault::stopped;
+}
+
+}  // namespace
+
+api::Status ViewService::check_made(std::chrono::milliseconds time_max, const std::atomic<bool>& stopping) {
+  const auto enough = std::chrono::steady_clock::now() + time_max;
+  const std::vector<std::string> ids = names_in(folder_.jobs());
+  for (auto id = std::upper_bound(ids.begin(), ids.end(), checked_); id != ids.end(); ++id) {
+    if (const auto job = jobs_.job(*id))
+      if (api::Status looked = check_job(*job, stopping); !looked) return looked;
+    checked_ = *id;
+    if (std::chrono::steady_clock::now() >= enough) return api::Done{};
+  }
+  checked_.clear();
+  return api::Done{};
+}
+
+api::Status ViewService::check_job(const Job& job, const std::atomic<bool>& stopping) {
+  for (const std::string& name : names_in(views_of(job)))
+    if (is_view_name(name))
+      if (api::Status looked = check_view(job, name, stopping); !looked) return looked;
+  for (const std::string& name : names_in(videos_of(job)))
+    if (!name.starts_with(kUnfinished) && !name.ends_with(".sha256"))
+      if (api::Status looked = check_video(job, name, stopping); !looked) return looked;
+  return api::Done{};
+}
+
+api::Status ViewService::check_view(const Job& job, const std::string& name,
+                                    const std::atomic<bool>& stopping) {
+  api::Status whole = must_be_as_made(views_of(job) / name, hashes_of(job, name), stopping);
+  if (was_stopped(whole)) return whole;
+  if (!whole) drop_view(job, name, whole.error().message);
+  return api::Done{};
+}
+
+// Its name goes first, at once: nobody finds half of it, whatever happens meanwhile.
+void ViewService::drop_view(const Job& job, const std::string& name, const std::string& why) {
+  const std::string key = key_of_view(job.id, name);
+  const fs::path dropped = views_of(job) / (std::string(kUnfinished) + "dropped." + name);
+  {
+    const std::lock_guard lock(mutex_);
+    // It may have been removed while it was read, alone or with its job, or be on its way again.
+    const Maker::State state = maker_.look(key).state;
+    if (state == Maker::State::waiting || state == Maker::State::making || !jobs_.job(job.id)) return;
+    std::error_code failed;
+    fs::rename(views_of(job) / name, dropped, failed);
+    if (failed) return;
+    verified_.erase(key);
+    fs::remove(hashes_of(job, name), failed);
+    log_line("integrity check: " + key + " is damaged: " + why + "; it is made again");
+    if (fs::exists(views_of(job) / (name + ".json"), failed))
+      if (const auto asked = maker_.ask(key, work_of(job.id, name)); !asked)
+        log_line(key + ": the view waits for the next start: " + asked.error().message);
+  }
+  if (const api::Status removed = remove_tree(dropped); !removed)
+    log_line(key + ": " + removed.error().message);
+  jobs_.record_bytes(job);
+}
+
+api::Status ViewService::check_video(const Job& job, const std::string& file,
+                                     const std::atomic<bool>& stopping) {
+  const fs::path path = videos_of(job) / file;
+  const auto sum = read_below(videos_of(job), sum_of(path).filename().string(), kSumBytes);
+  if (!sum) return api::Done{};  // it is not finished
+  const auto video = open_below(videos_of(job), file);
+  const auto found = video ? sha256_of(*video, stopping) : api::Result<std::string>(video.error());
+  if (!found && found.error().fault == api::Fault::stopped) return found.error();
+  if (found && *found == *sum) return api::Done{};
+  {
+    const std::lock_guard lock(mutex_);
+    if (!jobs_.job(job.id)) return api::Done{};
+    std::error_code failed;
+    fs::remove(sum_of(path), failed);
+    fs::remove(path, failed);
+  }
+  log_line("integrity check: " + job.id + "/videos/" + file +
+           " is damaged: " + (found ? "it has another SHA-256" : found.error().message) +
+           "; it is made again when it is asked for");
+  jobs_.record_bytes(job);
+  return api::Done{};
+}
+
+}  // namespace server
