@@ -6,7 +6,8 @@ import type { Grids } from "./grids";
 import type { Term } from "./lighting_view";
 import type { ShadingMesh } from "./shading_mesh";
 import { kNodeFragment, kPatchFragment } from "./shaders";
-import { fillTexture, halfTexture, kTexelsPerRow, rowsFor, uintTexture } from "./texels";
+import { rowTextures } from "./node_rows";
+import { fillTexture, halfTexture, kTexelsPerRow, rowsFor } from "./texels";
 import { texelShader, WholeTarget } from "./whole_target";
 
 /** A frame on the graphics processor. */
@@ -26,7 +27,8 @@ function target(count: number): WebGLRenderTarget {
 export class LightPasses {
   private readonly sums: [WebGLRenderTarget, WebGLRenderTarget];
   private readonly nodeTarget: WebGLRenderTarget;
-  private readonly patchPass: RawShaderMaterial;
+  /** Of the first term between frames, of it in a frame, and so of further ones. */
+  private readonly patchPasses: readonly RawShaderMaterial[];
   private readonly nodePass: RawShaderMaterial;
   private readonly whole: WholeTarget;
   private readonly rows: readonly DataTexture[];
@@ -36,29 +38,19 @@ export class LightPasses {
   constructor(
     renderer: WebGLRenderer,
     private readonly mesh: ShadingMesh,
-    { placeNodes }: Grids,
+    grids: Grids,
   ) {
     this.sums = [target(mesh.patchCount), target(mesh.patchCount)];
-    this.nodeTarget = target(placeNodes.length);
-    this.patchPass = texelShader(kPatchFragment, {
-      sum: { value: null }, before: { value: null }, after: { value: null }, gain: { value: new Vector3() },
-      weight: { value: 0 }, first: { value: 1 },
-    });
-    const spans = new Uint32Array(2 * placeNodes.length);
-    placeNodes.forEach((node, k) => spans.set(mesh.rowFirst.subarray(node, node + 2), 2 * k));
-    const span = uintTexture(spans, 2);
-    const entries = new Uint32Array(2 * mesh.rowPatch.length);
-    const weights = new Uint32Array(mesh.rowWeight.buffer, mesh.rowWeight.byteOffset, mesh.rowWeight.length);
-    for (let k = 0; k < mesh.rowPatch.length; ++k) {
-      entries[2 * k] = mesh.rowPatch[k]!;
-      entries[2 * k + 1] = weights[k]!;
-    }
-    const row = uintTexture(entries, 2);
-    this.rows = [span, row];
-    this.nodePass = texelShader(kNodeFragment, {
-      patches: { value: null }, span: { value: span }, row: { value: row },
-      placeCount: { value: placeNodes.length },
-    });
+    this.nodeTarget = target(grids.placeNodes.length);
+    const variants: Record<string, number>[] = [{ MIXED: 1 }, {}, { MIXED: 1, FURTHER: 1 }, { FURTHER: 1 }];
+    this.patchPasses = variants.map((defines) =>
+      texelShader(kPatchFragment, {
+        sum: { value: null }, before: { value: null }, after: { value: null }, gain: { value: new Vector3() }, weight: { value: 0 },
+      }, defines));
+    const rows = rowTextures(mesh, grids);
+    this.rows = Object.values(rows);
+    const uniforms = Object.fromEntries(Object.entries(rows).map(([name, value]) => [name, { value }]));
+    this.nodePass = texelShader(kNodeFragment, { patches: { value: null }, ...uniforms }, "row" in rows ? { MORE: 1 } : {});
     this.whole = new WholeTarget(renderer);
   }
 
@@ -97,7 +89,7 @@ export class LightPasses {
   }
 
   dispose(): void {
-    for (const each of [...this.sums, this.nodeTarget, this.patchPass, this.nodePass, this.whole, ...this.rows])
+    for (const each of [...this.sums, this.nodeTarget, ...this.patchPasses, this.nodePass, this.whole, ...this.rows])
       each.dispose();
     for (const { texture } of this.loaded) texture.dispose();
   }
@@ -128,6 +120,7 @@ export class LightPasses {
     const gain = new Vector3(...term.gain).multiplyScalar(term.source.halfScale);
     const sum = this.patches;
     this.sums.reverse();
-    this.whole.draw(this.patchPass, { sum, before, after, weight, gain, first: first ? 1 : 0 }, this.sums[0]);
+    const pass = this.patchPasses[(first ? 0 : 2) + (weight > 0 ? 0 : 1)]!;
+    this.whole.draw(pass, { sum, before, after, weight, gain }, this.sums[0]);
   }
 }

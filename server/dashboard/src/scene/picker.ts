@@ -26,18 +26,16 @@ export class Picker {
   pick(scene: Scene, camera: PerspectiveCamera, size: Vector2, x: number, y: number, time: number): Picked | null {
     const bytes = new Uint8Array(4);
     const usual = this.surfaces.map(({ mesh }) => mesh.material);
-    const background = scene.background;
     for (const { mesh, isBack } of this.surfaces) mesh.material = this.materials[isBack ? 1 : 0]!;
-    scene.background = null;
     camera.setViewOffset(size.x, size.y, x, y, 1, 1);
     this.renderer.setRenderTarget(this.target);
     this.renderer.setClearColor(0x000000, 0);
     this.renderer.clear();
+    this.renderer.setClearColor(0x000000, 1);
     this.renderer.render(scene, camera);
     this.renderer.readRenderTargetPixels(this.target, 0, 0, 1, 1, bytes);
     this.renderer.setRenderTarget(null);
     camera.clearViewOffset();
-    scene.background = background;
     this.surfaces.forEach(({ mesh }, k) => (mesh.material = usual[k]!));
     const patch = bytes[0]! + 256 * bytes[1]! + 65536 * bytes[2]! - 1;
     return patch < 0 || patch >= this.mesh.patchCount ? null : this.found(patch, camera, size, x, y, time);

@@ -1,10 +1,9 @@
-// GLSL ES 3.00. Patches, nodes and halves are rows of texels: number i is texel (i % width, i / width). Widths are powers
-// of two: a division for every texel would cost software a third of its pace.
-import { kHalfsShift, kTexelsShift } from "./texels";
+// GLSL ES 3.00. Patches and places are rows of texels: number i is texel (i % width, i / width). The width is a power of
+// two: a division for every texel would cost software a third of its pace.
+import { kTexelsShift } from "./texels";
 
 const kTexel = `
 ivec2 texelOf(uint i) { return ivec2(int(i & ${(1 << kTexelsShift) - 1}u), int(i >> ${kTexelsShift})); }
-ivec2 halfOf(uint i) { return ivec2(int(i & ${(1 << kHalfsShift) - 1}u), int(i >> ${kHalfsShift})); }
 `;
 
 /** One triangle over the whole target. */
@@ -22,50 +21,50 @@ out vec4 colour;
 void main() { colour = texelFetch(picture, ivec2(gl_FragCoord.xy), 0); }
 `;
 
-/** Adds a term: sum + gain * mix(before, after). Half floats lie side by side, three to a patch. [W/m^2] */
+/** Adds a term: sum + gain * mix(before, after). [W/m^2] */
 export const kPatchFragment = `
 precision highp float;
-precision highp int;
 precision highp sampler2D;
 uniform sampler2D sum, before, after;
 uniform vec3 gain;
-uniform float weight, first;
+uniform float weight;
 out vec4 value;
-${kTexel}
-vec3 radiosity(sampler2D frame, uint patchId) {
-  uint i = 3u * patchId;
-  return vec3(texelFetch(frame, halfOf(i), 0).r, texelFetch(frame, halfOf(i + 1u), 0).r,
-              texelFetch(frame, halfOf(i + 2u), 0).r);
-}
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  uint id = uint((at.y << ${kTexelsShift}) + at.x);
-  vec3 here = radiosity(before, id);
-  if (weight > 0.0) here = mix(here, radiosity(after, id), weight);
-  value = vec4(gain * here + (first > 0.5 ? vec3(0.0) : texelFetch(sum, at, 0).rgb), 1.0);
+  value.rgb = texelFetch(before, at, 0).rgb;
+#ifdef MIXED
+  value.rgb = mix(value.rgb, texelFetch(after, at, 0).rgb, weight);
+#endif
+  value = vec4(gain * value.rgb, 1.0);
+#ifdef FURTHER
+  value.rgb += texelFetch(sum, at, 0).rgb;
+#endif
 }
 `;
 
-/** Radiosity at a place: the row of its node in the mesh's matrix times the patches. [W/m^2] */
+/** Radiosity at a place: the row of its node in the mesh's matrix times the patches; rows have four parts, few have MORE. [W/m^2] */
 export const kNodeFragment = `
 precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp usampler2D;
-uniform sampler2D patches;
-uniform usampler2D span, row;
-uniform uint placeCount;
+uniform sampler2D patches, shares;
+uniform usampler2D around, span, row;
 out vec4 value;
 ${kTexel}
+vec3 patchAt(uint n) { return texelFetch(patches, texelOf(n), 0).rgb; }
 void main() {
-  uint place = uint((int(gl_FragCoord.y) << ${kTexelsShift}) + int(gl_FragCoord.x));
-  value = vec4(0.0);
-  if (place >= placeCount) return;
-  uvec2 parts = texelFetch(span, texelOf(place), 0).rg;
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  uvec4 four = texelFetch(around, at, 0);
+  vec4 share = texelFetch(shares, at, 0);
+  value = vec4(share.x * patchAt(four.x) + share.y * patchAt(four.y) + share.z * patchAt(four.z) + share.w * patchAt(four.w), 1.0);
+#ifdef MORE
+  uvec2 parts = texelFetch(span, at, 0).rg;
   for (uint k = parts.x; k < parts.y; ++k) {
     uvec2 entry = texelFetch(row, texelOf(k), 0).rg;
-    value.rgb += uintBitsToFloat(entry.y) * texelFetch(patches, texelOf(entry.x), 0).rgb;
+    value.rgb += uintBitsToFloat(entry.y) * patchAt(entry.x);
   }
+#endif
 }
 `;
 

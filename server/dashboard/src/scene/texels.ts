@@ -1,16 +1,13 @@
 // Arrays as textures: number i is texel (i % width, i / width).
 import {
-  DataTexture, FloatType, HalfFloatType, NearestFilter, NoColorSpace, RedFormat, RedIntegerFormat, RGBAFormat,
-  RGBAIntegerFormat, RGIntegerFormat, UnsignedByteType, UnsignedIntType,
+  DataTexture, FloatType, HalfFloatType, NearestFilter, NoColorSpace, RedFormat, RGBAFormat, RGBAIntegerFormat, RGBFormat,
+  RGIntegerFormat, UnsignedByteType, UnsignedIntType,
 } from "three";
 import type { PixelFormat, TextureDataType } from "three";
 
 /** Powers of two, see shaders.ts; every device that has WebGL 2 takes 2048. */
 export const kTexelsShift = 10;
 export const kTexelsPerRow = 1 << kTexelsShift;
-/** Of half floats, three for each patch. */
-export const kHalfsShift = 11;
-export const kHalfsPerRow = 1 << kHalfsShift;
 
 export function rowsFor(count: number, width: number): number {
   return Math.max(1, Math.ceil(count / width));
@@ -29,24 +26,31 @@ function texture(data: TexelArray, width: number, height: number, format: PixelF
   return made;
 }
 
-/** `parts` numbers to a texel: 1, 2 or 4. */
-export function uintTexture(values: Uint32Array, parts: 1 | 2 | 4): DataTexture {
+/** `parts` numbers to a texel: 2 or 4. */
+export function uintTexture(values: Uint32Array, parts: 2 | 4): DataTexture {
   const height = rowsFor(values.length / parts, kTexelsPerRow);
   const data = new Uint32Array(kTexelsPerRow * height * parts);
   data.set(values);
-  const format = parts === 1 ? RedIntegerFormat : parts === 2 ? RGIntegerFormat : RGBAIntegerFormat;
-  return texture(data, kTexelsPerRow, height, format, UnsignedIntType);
+  return texture(data, kTexelsPerRow, height, parts === 2 ? RGIntegerFormat : RGBAIntegerFormat, UnsignedIntType);
 }
 
-/** Three numbers each and a fourth, as RGBA. */
+/** Four numbers to a texel. */
+export function floatTexture(values: Float32Array): DataTexture {
+  const height = rowsFor(values.length / 4, kTexelsPerRow);
+  const data = new Float32Array(kTexelsPerRow * height * 4);
+  data.set(values);
+  return texture(data, kTexelsPerRow, height, RGBAFormat, FloatType);
+}
+
+/** Three numbers each and a fourth. */
 export function rgbTexture(values: Float32Array, alpha: (i: number) => number): DataTexture {
   const count = values.length / 3;
-  const data = new Float32Array(4 * kTexelsPerRow * rowsFor(count, kTexelsPerRow));
+  const data = new Float32Array(4 * count);
   for (let i = 0; i < count; ++i) {
     data.set(values.subarray(3 * i, 3 * i + 3), 4 * i);
     data[4 * i + 3] = alpha(i);
   }
-  return texture(data, kTexelsPerRow, rowsFor(count, kTexelsPerRow), RGBAFormat, FloatType);
+  return floatTexture(data);
 }
 
 export function byteTexture(count: number): DataTexture {
@@ -56,8 +60,10 @@ export function byteTexture(count: number): DataTexture {
 
 /** Room for the (patches, 3) half floats of a frame. */
 export function halfTexture(patchCount: number): DataTexture {
-  const height = rowsFor(3 * patchCount, kHalfsPerRow);
-  return texture(new Uint16Array(kHalfsPerRow * height), kHalfsPerRow, height, RedFormat, HalfFloatType);
+  const height = rowsFor(patchCount, kTexelsPerRow);
+  const made = texture(new Uint16Array(3 * kTexelsPerRow * height), kTexelsPerRow, height, RGBFormat, HalfFloatType);
+  made.internalFormat = "RGB16F"; // three.js chooses none for three halves
+  return made;
 }
 
 export function fillTexture(target: DataTexture, values: Uint16Array | Uint8Array): void {

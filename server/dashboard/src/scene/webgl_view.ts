@@ -1,5 +1,5 @@
 // The view of lighting_view.ts by three.js: draws only when something has changed.
-import { Color, Scene, Vector2, Vector3, Vector4, WebGLRenderer } from "three";
+import { Scene, Vector2, Vector3, Vector4, WebGLRenderer } from "three";
 import type { DataTexture, RawShaderMaterial } from "three";
 import { Lifetime, Signal } from "../base/signal";
 import type { CameraState } from "../job/playhead";
@@ -42,6 +42,7 @@ function rendererOn(canvas: HTMLCanvasElement): WebGLRenderer {
   if (!context.getExtension("EXT_color_buffer_float")) throw new NoWebGl("this graphics processor cannot draw into floats");
   const renderer = new WebGLRenderer({ canvas, context });
   renderer.autoClear = false;
+  renderer.setClearColor(0x000000);
   return renderer;
 }
 
@@ -208,7 +209,6 @@ class WebGlView implements LightingView {
   }
 
   private listen(): void {
-    this.scene.background = new Color(0x000000);
     this.lifetime.add(
       this.control.state.watch(() => this.draw()),
       this.control.moved.watch((moved) => moved && (this.following.value = null)),

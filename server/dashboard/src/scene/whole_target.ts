@@ -3,9 +3,9 @@ import { BufferAttribute, BufferGeometry, Camera, GLSL3, Mesh, NoBlending, RawSh
 import type { WebGLRenderer, WebGLRenderTarget } from "three";
 import { kWholeTargetVertex } from "./shaders";
 
-export function texelShader(fragmentShader: string, uniforms: Record<string, { value: unknown }>): RawShaderMaterial {
+export function texelShader(fragmentShader: string, uniforms: Record<string, { value: unknown }>, defines: Record<string, number> = {}): RawShaderMaterial {
   return new RawShaderMaterial({
-    glslVersion: GLSL3, vertexShader: kWholeTargetVertex, fragmentShader, uniforms,
+    glslVersion: GLSL3, vertexShader: kWholeTargetVertex, fragmentShader, uniforms, defines,
     blending: NoBlending, depthTest: false, depthWrite: false,
   });
 }
