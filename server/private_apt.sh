@@ -2,12 +2,13 @@
 # Sourced by scripts that fetch a package of another suite than the system's: apt with its signatures, under a
 # configuration of its own in a temporary folder. Nothing on the system changes and root is not needed.
 
-# Prints "ORIGIN URI" of the archive this machine already uses. The names come from the configured sources.
+# Prints "ORIGIN URI" of the archive this machine already uses. The names come from the configured sources, whether their
+# lists have been fetched or not.
 configured_archive() {
   local id
   id=$(. /etc/os-release && echo "$ID")
-  apt-get indextargets --format '$(SITE) $(REPO_URI) $(COMPONENT) $(CODENAME)' 'Identifier: Packages' 2>/dev/null |
-    awk -v id="$id" '$3 == "main" && $4 !~ /security/ && $2 !~ /security/ && $2 ~ ("/" id "/?$") { print id, $2; exit }'
+  apt-get update --print-uris 2>/dev/null | sed -n "s|^'\(.*\)/dists/.*InRelease'.*|\1|p" |
+    awk -v id="$id" '$1 !~ /security/ && $1 ~ ("/" id "/?$") { print id, $1; exit }'
 }
 
 # Everything apt reads or writes lies in FOLDER; proxies and the like are taken over from the system's configuration.

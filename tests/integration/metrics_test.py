@@ -32,11 +32,10 @@ class Metrics(ServiceTestCase):
         return dict(line.rsplit(" ", 1) for line in text.splitlines() if not line.startswith("#"))
 
     def test_slow_clients_do_not_hold_up_health(self):
-        self.with_ops()
-        service_port = int(self.log_of_port())
+        service = self.with_ops()
         clients = []
         for i in range(HANGING_CLIENTS):
-            client = socket.create_connection(("127.0.0.1", service_port), timeout=20)
+            client = socket.create_connection(("127.0.0.1", service.port), timeout=20)
             self.addCleanup(client.close)
             client.sendall(b"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Le" if i % 2 else b"G")
             clients.append(client)
@@ -50,9 +49,6 @@ class Metrics(ServiceTestCase):
         print(f"{HANGING_CLIENTS} clients hang; health answers, curl's start included: median {times[len(times) // 2] * 1000:.0f} ms, "
               f"slowest {times[-1] * 1000:.0f} ms")
         self.assertLess(times[-1], HEALTH_SECONDS_MAX)
-
-    def log_of_port(self):
-        return re.search(r"listening on http:..127\.0\.0\.1:(\d+)", (self.folder / "data.log").read_text())[1]
 
     def test_metrics_follow_a_job(self):
         service = self.with_ops()

@@ -1,4 +1,5 @@
-"""A real server in a data folder of its own, on a free port; ends only what it started."""
+"""A real server in a data folder of its own, on a free port; ends only what it started.
+Where KEYLUME_CONTAINER names an image it runs in a container of that."""
 import hashlib
 import os
 import shutil
@@ -10,6 +11,7 @@ import time
 import unittest
 from pathlib import Path
 
+from container import popen
 from curl import curl
 
 SERVER = os.environ["KEYLUME_SERVER"]
@@ -60,7 +62,7 @@ class Service:
 
     def start(self):
         with self.log.open("ab") as log:
-            self.process = subprocess.Popen(self.command(), stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+            self.process = popen(self.command(), stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         wait_until(self.answers, 20, "the server answers /healthz\n" + self.log.read_text(errors="replace"))
         return self
 

@@ -35,6 +35,18 @@ class Summary(unittest.TestCase):
         self.assertIn("\nratio: lines: 1.31\n", output)
         self.assertNotIn("noise", output)
 
+    def test_the_time_of_a_label_is_told_with_its_budget(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "container.xml")
+            self.assertEqual(summary.time_of(path, 1.5).split(), ["1.5", "s", "of", "720"])
+            path.with_suffix(".seconds").write_text("90\n")
+            self.assertEqual(summary.time_of(path, 1.5).split(), ["90.0", "s", "of", "720"], "of tests that ran at once")
+            self.assertEqual(summary.time_of(Path(folder, "peers.xml"), 1.5).split(), ["1.5", "s"])
+
+    def test_what_was_left_out_is_shown_also_of_what_was_skipped(self):
+        told = SKIPPED.replace("</testcase>", "<system-out>left out: a: why\n</system-out></testcase>")
+        self.assertIn("left out: a: why", self.run_on(container=PASSED + told)[1])
+
     def test_a_failure_is_named_and_counted(self):
         code, output = self.run_on(unit=PASSED + FAILED)
         self.assertEqual((code, output.splitlines()[-1]), (1, "1 passed, 1 failed"))

@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""Sets up what all tests of this folder share: an Engine, and the image, built from a context that holds the files of the
+checkout and nothing else. usage: image_setup.py up|down FOLDER        (FOLDER: build/container)
+exit 0: done; 77: there can be no Engine here, with the reason; 1: failed"""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+ENGINE = ROOT / "tests/support/docker/engine"
+TAG = "test"
+IMAGES = {"runtime": f"keylume:{TAG}", "proxy": f"keylume-proxy:{TAG}"}
+BUILD_SECONDS_MAX = 1500
+NO_ENGINE = 77
+
+
+def files_of_the_checkout():
+    """As they are now: what git has, and what it would be told of. Without git all but what is built."""
+    listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+                            capture_output=True, text=True)
+    if listed.returncode == 0:
+        return [name for name in listed.stdout.split("\0") if name and (ROOT / name).is_file()]
+    left_out = {"build", "data", "node_modules", ".git"}
+    return [str(path.relative_to(ROOT)) for path in ROOT.rglob("*")
+            if path.is_file() and not left_out.intersection(path.relative_to(ROOT).parts)]
+
+
+def make_context(folder):
+    shutil.rmtree(folder, ignore_errors=True)
+    for name in files_of_the_checkout():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(ROOT / name, folder / name, follow_symlinks=False)
+
+
+def start_engine(folder):
+    """-> its environment; ends this program where there can be none"""
+    run = subprocess.run([ENGINE, "up", folder / "engine"], stdout=subprocess.PIPE, text=True, timeout=600)
+    if run.returncode != 0:
+        sys.exit(run.returncode)
+    return dict(re.findall(r"(DOCKER_\w+)='?([^'\s]+)", run.stdout))
+
+
+def build(folder, target, tag):
+    secrets = subprocess.run([ENGINE, "secrets", folder / "engine"], stdout=subprocess.PIPE, text=True, check=True)
+    command = ["docker", "build", "--progress=plain", *secrets.stdout.split("\n")[:-1], "-f", "docker/Dockerfile",
+               "--target", target, "-t", tag, "."]
+    log = folder / f"build_{target}.log"
+    with log.open("w") as output:
+        run = subprocess.run(command, cwd=folder / "context", stdout=output, stderr=output, timeout=BUILD_SECONDS_MAX)
+    if run.returncode != 0:
+        print("\n".join(log.read_text(errors="replace").splitlines()[-40:]))
+        sys.exit(f"docker build --target {target} failed")
+
+
+def size_mb(tag):
+    run = subprocess.run(["docker", "image", "inspect", "--format={{.Size}}", tag], capture_output=True, text=True, check=True)
+    return int(run.stdout) / 1e6
+
+
+def up(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    environment = start_engine(folder)
+    os.environ.update(environment)
+    make_context(folder / "context")
+    times = {}
+    for target, tag in IMAGES.items():
+        begun = time.monotonic()
+        build(folder, target, tag)
+        times[target] = time.monotonic() - begun
+    environment.update(KEYLUME_CONTAINER=IMAGES["runtime"], KEYLUME_TAG=TAG)
+    (folder / "environment.json").write_text(json.dumps(environment))
+    for target, tag in IMAGES.items():
+        print(f"ratio: image {target}: {size_mb(tag):.0f} MB, built in {times[target]:.0f} s")
+
+
+def main(what, folder):
+    folder = Path(folder).resolve()
+    (folder / "environment.json").unlink(missing_ok=True)
+    if what == "up":
+        up(folder)
+    else:
+        shutil.rmtree(folder / "context", ignore_errors=True)
+        sys.exit(subprocess.run([ENGINE, "down", folder / "engine"], timeout=300).returncode)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
