@@ -1,24 +1,14 @@
 // axe-core finds nothing serious on any page, in light and in dark.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { after, before, test } from "node:test";
-import { Watched, axeScript, launch } from "./support/browser.mjs";
+import { test } from "node:test";
+import { axeScript } from "./support/browser.mjs";
 import { sights, someJobs } from "./support/sights.mjs";
-import { Service } from "./support/service.mjs";
+import { suite } from "./support/suite.mjs";
 
 const kSerious = ["serious", "critical"];
 
-let service, browser, jobs;
-
-before(async () => {
-  service = await new Service().start();
-  browser = await launch();
-  jobs = await someJobs(service);
-});
-after(async () => {
-  await browser?.close();
-  await service?.end();
-});
+const given = suite(async (service) => ({ jobs: await someJobs(service) }));
 
 /** [ "rule: what (where)" ] */
 async function violations(page) {
@@ -31,9 +21,9 @@ async function violations(page) {
 
 for (const colorScheme of ["light", "dark"]) {
   test(`every page is accessible in ${colorScheme}`, async (t) => {
-    for (const { name, path, prepare, expected } of sights(jobs)) {
+    for (const { name, path, prepare, expected } of sights(given.jobs)) {
       await t.test(name, async () => {
-        const watched = await Watched.open(browser, service, path, { colorScheme, expected });
+        const watched = await given.open(path, { colorScheme, expected });
         await prepare(watched.page);
         assert.deepEqual(await violations(watched.page), []);
         await watched.close();
@@ -43,7 +33,7 @@ for (const colorScheme of ["light", "dark"]) {
 }
 
 test("what is wrong is found: a picture without words, text that cannot be read", async () => {
-  const watched = await Watched.open(browser, service, "/system");
+  const watched = await given.open("/system");
   await watched.page.locator(".cards .good").waitFor();
   await watched.page.evaluate(() => {
     const [picture, text] = [document.createElement("img"), document.createElement("p")];

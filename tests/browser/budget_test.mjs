@@ -2,24 +2,14 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import { gzipSync } from "node:zlib";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { join } from "node:path";
-import { Watched, launch } from "./support/browser.mjs";
-import { Service } from "./support/service.mjs";
+import { suite } from "./support/suite.mjs";
 
 const kScriptBytesMax = 250_000;
 const assets = join(process.env.KEYLUME_DASHBOARD, "assets");
 
-let service, browser;
-
-before(async () => {
-  service = await new Service().start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await service?.end();
-});
+const given = suite();
 
 test("all scripts together are at most 250 kB as they are sent", () => {
   const scripts = readdirSync(assets).filter((name) => name.endsWith(".js"));
@@ -30,7 +20,7 @@ test("all scripts together are at most 250 kB as they are sent", () => {
 
 test("the queue does without what draws in three dimensions", async () => {
   const fetched = [];
-  const watched = await Watched.open(browser, service, "/");
+  const watched = await given.open("/");
   watched.page.on("response", (response) => fetched.push(response));
   await watched.page.reload();
   await watched.page.getByRole("heading", { name: "No jobs yet" }).waitFor();
@@ -45,10 +35,10 @@ test("the queue does without what draws in three dimensions", async () => {
 });
 
 test("scripts from elsewhere, scripts in the page and frames around it are refused, and a test would see it", async () => {
-  const watched = await Watched.open(browser, service, "/system");
+  const watched = await given.open("/system");
   const { page } = watched;
   await page.locator(".cards .good").waitFor();
-  const policy = (await (await fetch(`${service.url}/`, { headers: { Accept: "text/html" } })).headers).get("content-security-policy");
+  const policy = (await (await fetch(`${given.service.url}/`, { headers: { Accept: "text/html" } })).headers).get("content-security-policy");
   for (const rule of ["default-src 'none'", "script-src 'self';", "connect-src 'self';", "frame-ancestors 'none'"]) assert.ok(policy.includes(rule), policy);
   assert.ok(!/unsafe-(inline|eval)/.test(policy), policy);
   const ran = await page.evaluate(async () => {

@@ -1,25 +1,16 @@
 // What a new user does first: one click, and a look at the light.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { Watched, launch, untilLit } from "./support/browser.mjs";
+import { test } from "node:test";
+import { untilLit } from "./support/browser.mjs";
 import { untilState } from "./support/jobs.mjs";
 import { decodePng } from "./support/pixels.mjs";
-import { Service } from "./support/service.mjs";
+import { suite } from "./support/suite.mjs";
 
 /** Of the picture: the floor below the plane in the middle of its flight. */
 const kBelow = { left: 0.46, right: 0.54, top: 0.6, bottom: 0.66 };
 const kDarkerMin = 0.03;
 
-let service, browser;
-
-before(async () => {
-  service = await new Service().start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await service?.end();
-});
+const given = suite();
 
 /** Mean of a part of the picture, 0 .. 1. */
 function meanOf({ width, height, rgb }, { left, right, top, bottom }) {
@@ -30,11 +21,11 @@ function meanOf({ width, height, rgb }, { left, right, top, bottom }) {
 }
 
 test("the example is submitted by one click, and the plane's shadow lies on the floor at frame 60", async () => {
-  const watched = await Watched.open(browser, service, "/");
+  const watched = await given.open("/");
   const { page } = watched;
   await page.getByRole("button", { name: "Try the example" }).click();
   await page.waitForURL(/\/jobs\/job_/);
-  await untilState(service, /job_\w+/.exec(page.url())[0], "succeeded", 300);
+  await untilState(given.service, /job_\w+/.exec(page.url())[0], "succeeded", 300);
   const canvas = await untilLit(page);
   const before = meanOf(decodePng(await canvas.screenshot()), kBelow);
   await page.getByRole("slider", { name: "Frame" }).fill("60");

@@ -1,39 +1,34 @@
 // What is done with jobs once there are some: comparing, lighting them otherwise, looking from elsewhere.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { join } from "node:path";
-import { Watched, launch, untilLit } from "./support/browser.mjs";
+import { untilLit } from "./support/browser.mjs";
 import { finished, get, submit, untilState, writeJob } from "./support/jobs.mjs";
 import { brightness, decodePng, difference } from "./support/pixels.mjs";
-import { Service, waitFor } from "./support/service.mjs";
+import { waitFor } from "./support/service.mjs";
+import { suite } from "./support/suite.mjs";
 
 const kFrames = 8;
 const kSame = 0.004; // of full scale: a step of eight bits
 
-let service, browser, coarse, fine, grouped;
-
-before(async () => {
-  service = await new Service().start();
-  browser = await launch();
+const given = suite(async (service) => {
   const job = (name, lighting = {}) => finished(service, writeJob(join(service.folder, name), { frames: kFrames, width: 64, height: 36, ...lighting }), { name });
-  coarse = await job("coarse", { line_count: 20_000 });
-  fine = await job("fine");
-  grouped = await job("grouped", { light_groups: { middle: ["lamp_0_0"] } });
-});
-after(async () => {
-  await browser?.close();
-  await service?.end();
+  return {
+    coarse: await job("coarse", { line_count: 20_000 }),
+    fine: await job("fine"),
+    grouped: await job("grouped", { light_groups: { middle: ["lamp_0_0"] } }),
+  };
 });
 
 const picture = async (canvas) => decodePng(await canvas.screenshot());
 
 test("two jobs are compared on either side of an edge, and by their difference", async () => {
-  const watched = await Watched.open(browser, service, "/compare");
+  const watched = await given.open("/compare");
   const { page } = watched;
   const chooser = page.getByLabel("Job A", { exact: true });
   await chooser.locator("option").nth(2).waitFor({ state: "attached" });
-  await chooser.selectOption(coarse.id);
-  await page.getByLabel("Job B", { exact: true }).selectOption(fine.id);
+  await chooser.selectOption(given.coarse.id);
+  await page.getByLabel("Job B", { exact: true }).selectOption(given.fine.id);
   await page.getByRole("button", { name: "Compare", exact: true }).click();
   await page.waitForURL(/compare\?a=job_.*b=job_/);
   const frame = page.locator(".walk-frame");
@@ -66,7 +61,7 @@ function leftHalf({ width, height, rgb }) {
 }
 
 test("a job compared with itself has no difference", async () => {
-  const watched = await Watched.open(browser, service, `/compare?a=${fine.id}&b=${fine.id}`);
+  const watched = await given.open(`/compare?a=${given.fine.id}&b=${given.fine.id}`);
   const { page } = watched;
   await untilLit(page, page.locator(".walk-frame"));
   await page.getByRole("button", { name: "Plot the difference of every frame" }).click();
@@ -75,7 +70,7 @@ test("a job compared with itself has no difference", async () => {
 });
 
 test("the groups of lights add up to the whole, and one switched off makes it darker", async () => {
-  const watched = await Watched.open(browser, service, `/jobs/${grouped.id}#frame=4`);
+  const watched = await given.open(`/jobs/${given.grouped.id}#frame=4`);
   const { page } = watched;
   const canvas = await untilLit(page);
   const whole = await picture(canvas);
@@ -95,22 +90,22 @@ test("the groups of lights add up to the whole, and one switched off makes it da
   assert.ok(onlyMiddle < 0.97 * brightness(whole) && onlyOther < brightness(whole), `${onlyMiddle} ${onlyOther} ${brightness(whole)}`);
   await relight.getByRole("button", { name: "Render with these" }).click();
   await page.getByText("The view is being rendered").waitFor();
-  const [view] = (await waitFor(() => ready(grouped), 120, "the view is ready")).views;
-  assert.deepEqual((await viewOf(grouped, view)).request.light_gains, { middle: [0, 0, 0] });
+  const [view] = (await waitFor(() => ready(given.grouped), 120, "the view is ready")).views;
+  assert.deepEqual((await viewOf(given.grouped, view)).request.light_gains, { middle: [0, 0, 0] });
   await relight.getByRole("button", { name: "As solved" }).click();
   assert.ok(difference(await picture(await untilLit(page)), whole).mean < kSame);
   await watched.close();
 });
 
 async function ready(job) {
-  const answer = await get(service, `/v1/jobs/${job.id}/views`);
+  const answer = await get(given.service, `/v1/jobs/${job.id}/views`);
   return answer.views.length > 0 && answer.views.every(({ state }) => state === "ready") && answer;
 }
 
-const viewOf = (job, view) => get(service, `/v1/jobs/${job.id}/views/${view.id}`);
+const viewOf = (job, view) => get(given.service, `/v1/jobs/${job.id}/views/${view.id}`);
 
 test("a camera placed in the walk is rendered as a view, and its picture shown", async () => {
-  const watched = await Watched.open(browser, service, `/jobs/${fine.id}#frame=4`);
+  const watched = await given.open(`/jobs/${given.fine.id}#frame=4`);
   const { page } = watched;
   const canvas = await untilLit(page);
   const box = await canvas.boundingBox();
@@ -124,8 +119,8 @@ test("a camera placed in the walk is rendered as a view, and its picture shown",
   const shown = page.locator(".view img");
   await shown.waitFor();
   await page.waitForFunction(() => document.querySelector(".view img")?.naturalWidth === 640);
-  const [view] = (await get(service, `/v1/jobs/${fine.id}/views`)).views;
-  const { request, files } = await viewOf(fine, view);
+  const [view] = (await get(given.service, `/v1/jobs/${given.fine.id}/views`)).views;
+  const { request, files } = await viewOf(given.fine, view);
   const asked = decodeURIComponent(/cam=([^&]+)/.exec(page.url())[1]).split(",").map(Number);
   const { position, target } = request.camera;
   [...position, ...target].forEach((x, k) => assert.ok(Math.abs(x - asked[k]) < 0.01, `${[...position, ...target]} for ${asked}`));
@@ -134,11 +129,11 @@ test("a camera placed in the walk is rendered as a view, and its picture shown",
 });
 
 test("another job is canceled from the queue, after asking", async () => {
-  const folder = writeJob(join(service.folder, "long"), { frames: 120, preset: "high" });
-  const { id } = await submit(service, folder, { name: "to cancel" });
+  const folder = writeJob(join(given.service.folder, "long"), { frames: 120, preset: "high" });
+  const { id } = await submit(given.service, folder, { name: "to cancel" });
   // A job that has come somewhere is not stopped without asking.
-  await waitFor(async () => (await get(service, `/v1/jobs/${id}`)).progress.fraction > 0, 60, "the job is at work");
-  const watched = await Watched.open(browser, service, "/");
+  await waitFor(async () => (await get(given.service, `/v1/jobs/${id}`)).progress.fraction > 0, 60, "the job is at work");
+  const watched = await given.open("/");
   const { page } = watched;
   const row = page.locator(`tr[data-id=${id}]`);
   await row.waitFor();
@@ -147,7 +142,7 @@ test("another job is canceled from the queue, after asking", async () => {
   const dialog = page.getByRole("dialog");
   await dialog.getByRole("button", { name: /^Cancel 1 job/ }).click();
   await row.getByText("Canceled", { exact: true }).waitFor();
-  await untilState(service, id, "canceled", 10);
-  assert.equal((await get(service, `/v1/jobs/${fine.id}`)).state, "succeeded");
+  await untilState(given.service, id, "canceled", 10);
+  assert.equal((await get(given.service, `/v1/jobs/${given.fine.id}`)).state, "succeeded");
   await watched.close();
 });

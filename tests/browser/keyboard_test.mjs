@@ -1,23 +1,13 @@
 // Everything can be done without a pointer.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { Watched, launch, untilLit } from "./support/browser.mjs";
+import { test } from "node:test";
+import { untilLit } from "./support/browser.mjs";
 import { sights, someJobs } from "./support/sights.mjs";
-import { Service } from "./support/service.mjs";
+import { suite } from "./support/suite.mjs";
 
 const kTabsMax = 200;
 
-let service, browser, jobs;
-
-before(async () => {
-  service = await new Service().start();
-  browser = await launch();
-  jobs = await someJobs(service);
-});
-after(async () => {
-  await browser?.close();
-  await service?.end();
-});
+const given = suite(async (service) => ({ jobs: await someJobs(service) }));
 
 /** Presses Tab until `wanted` (a function in the page, of the focused element) says yes. */
 async function tabTo(page, wanted, argument) {
@@ -45,9 +35,9 @@ function markControls(page) {
 }
 
 test("Tab comes to every control of every page, and one sees where it is", async (t) => {
-  for (const { name, path, prepare, expected } of sights(jobs)) {
+  for (const { name, path, prepare, expected } of sights(given.jobs)) {
     await t.test(name, async () => {
-      const watched = await Watched.open(browser, service, path, { expected });
+      const watched = await given.open(path, { expected });
       const { page } = watched;
       await prepare(page);
       const count = await markControls(page);
@@ -75,7 +65,7 @@ test("Tab comes to every control of every page, and one sees where it is", async
 });
 
 test("two keys lead to every page, and ? lists what keys do", async () => {
-  const watched = await Watched.open(browser, service, "/");
+  const watched = await given.open("/");
   const { page } = watched;
   for (const [keys, title] of [["gn", "New job"], ["gc", "Compare"], ["gs", "System"], ["gq", "Queue"]]) {
     for (const key of keys) await page.keyboard.press(key);
@@ -90,7 +80,7 @@ test("two keys lead to every page, and ? lists what keys do", async () => {
 });
 
 test("a job is made from an example and submitted", async () => {
-  const watched = await Watched.open(browser, service, "/new");
+  const watched = await given.open("/new");
   const { page } = watched;
   await page.getByRole("button", { name: "Cornell box" }).waitFor();
   await tabTo(page, isNamed, "Cornell box");
@@ -108,7 +98,7 @@ test("a job is made from an example and submitted", async () => {
 });
 
 test("in the queue keys choose jobs and open them", async () => {
-  const watched = await Watched.open(browser, service, "/");
+  const watched = await given.open("/");
   const { page } = watched;
   await page.locator("tr[data-id]").nth(2).waitFor();
   for (const key of ["j", "ArrowDown", "Space", "Shift+ArrowDown"]) await page.keyboard.press(key);
@@ -121,7 +111,7 @@ test("in the queue keys choose jobs and open them", async () => {
 });
 
 test("J, K and L play, stop and play back; commas and full stops step", async () => {
-  const watched = await Watched.open(browser, service, `/jobs/${jobs.done.id}#frame=60`);
+  const watched = await given.open(`/jobs/${given.jobs.done.id}#frame=60`);
   const { page } = watched;
   await untilLit(page);
   const frame = async () => Number(/^Frame (\d+)/.exec(await page.locator(".timeline-moment").textContent())[1]);
@@ -151,7 +141,7 @@ test("J, K and L play, stop and play back; commas and full stops step", async ()
 });
 
 test("one walks, chooses a patch and changes the part without a pointer", async () => {
-  const watched = await Watched.open(browser, service, `/jobs/${jobs.done.id}`);
+  const watched = await given.open(`/jobs/${given.jobs.done.id}`);
   const { page } = watched;
   await untilLit(page);
   await tabTo(page, (element) => element.classList.contains("walk-canvas"));

@@ -2,12 +2,12 @@
 // in the folder that KEYLUME_SCREENSHOTS names, where it does.
 import assert from "node:assert/strict";
 import { mkdirSync, statSync } from "node:fs";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { join } from "node:path";
-import { Watched, launch } from "./support/browser.mjs";
 import { sights, someJobs } from "./support/sights.mjs";
 import { get, submit } from "./support/jobs.mjs";
-import { Service, waitFor } from "./support/service.mjs";
+import { waitFor } from "./support/service.mjs";
+import { suite } from "./support/suite.mjs";
 
 const { KEYLUME_BROWSER_PICTURES: folder, KEYLUME_SCREENSHOTS: readmeFolder } = process.env;
 const kVariants = {
@@ -19,24 +19,16 @@ const kVariants = {
 const kReadme = { walk: 1130, queue: 560, new_job: 900 };
 const kBytesMin = 5_000; // of a page that is not empty
 
-let service, browser, jobs;
-
-before(async () => {
-  service = await new Service().start();
-  browser = await launch();
-  jobs = await someJobs(service, readmeFolder ? { preset: "standard" } : {});
+const given = suite(async (service) => {
   for (const each of [folder, readmeFolder].filter(Boolean)) mkdirSync(each, { recursive: true });
-});
-after(async () => {
-  await browser?.close();
-  await service?.end();
+  return { jobs: await someJobs(service, readmeFolder ? { preset: "standard" } : {}) };
 });
 
 for (const [variant, options] of Object.entries(kVariants)) {
   test(`every page fits its window and is pictured: ${variant}`, async (t) => {
-    for (const { name, path, prepare, expected } of sights(jobs)) {
+    for (const { name, path, prepare, expected } of sights(given.jobs)) {
       await t.test(name, async () => {
-        const watched = await Watched.open(browser, service, path, { ...options, expected });
+        const watched = await given.open(path, { ...options, expected });
         const { page } = watched;
         await prepare(page);
         const wide = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
@@ -51,12 +43,12 @@ for (const [variant, options] of Object.entries(kVariants)) {
 }
 
 test("the README's pictures", { skip: readmeFolder ? false : "KEYLUME_SCREENSHOTS names no folder" }, async () => {
-  await fetch(`${service.url}/v1/queue/resume`, { method: "POST" });
-  const [{ id }] = [await submit(service, jobs.garage, { name: "garage, take 2" }), await submit(service, jobs.garage, { name: "garage, take 3" })];
-  await waitFor(async () => (await get(service, `/v1/jobs/${id}`)).progress.fraction > 0.3, 120, "a job at work");
-  for (const { name, path, prepare } of sights(jobs)) {
+  await fetch(`${given.service.url}/v1/queue/resume`, { method: "POST" });
+  const [{ id }] = [await submit(given.service, given.jobs.garage, { name: "garage, take 2" }), await submit(given.service, given.jobs.garage, { name: "garage, take 3" })];
+  await waitFor(async () => (await get(given.service, `/v1/jobs/${id}`)).progress.fraction > 0.3, 120, "a job at work");
+  for (const { name, path, prepare } of sights(given.jobs)) {
     if (!kReadme[name]) continue;
-    const watched = await Watched.open(browser, service, path, { colorScheme: "light", viewport: { width: 1280, height: kReadme[name] } });
+    const watched = await given.open(path, { colorScheme: "light", viewport: { width: 1280, height: kReadme[name] } });
     await prepare(watched.page);
     await watched.page.evaluate(() => {
       document.activeElement?.blur();

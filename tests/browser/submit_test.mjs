@@ -1,11 +1,11 @@
 // From files on a desk to a value on a patch, as a new user goes.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
+import { before, test } from "node:test";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { Watched, drop, launch, untilLit } from "./support/browser.mjs";
+import { drop, untilLit } from "./support/browser.mjs";
 import { filesOf, get, untilState, writeJob } from "./support/jobs.mjs";
-import { Service } from "./support/service.mjs";
+import { suite } from "./support/suite.mjs";
 
 /** Where in the picture of frame 60 the shadow lies, and where the floor is lit. */
 const kShadow = [0.5, 0.62];
@@ -14,17 +14,12 @@ const kLit = [0.12, 0.85];
 const kRefused = /status of 422 .*\/v1\/validate/;
 const kToleranceOfValues = 1e-3;
 
-let service, browser, watched, page, id;
+const given = suite();
+let watched, page, id;
 
 before(async () => {
-  service = await new Service().start();
-  browser = await launch();
-  watched = await Watched.open(browser, service, "/new", { expected: kRefused });
+  watched = await given.open("/new", { expected: kRefused });
   page = watched.page;
-});
-after(async () => {
-  await browser?.close();
-  await service?.end();
 });
 
 /** At a share of the canvas's width and height. */
@@ -50,7 +45,7 @@ function assertNear(value, wanted, what) {
 }
 
 test("files that are dropped on the form are shown, checked and forecast", async () => {
-  const folder = writeJob(join(service.folder, "garage"), { frames: 120, width: 320, height: 180 });
+  const folder = writeJob(join(given.service.folder, "garage"), { frames: 120, width: 320, height: 180 });
   await drop(page, ".drop-zone", filesOf(folder));
   for (const name of ["scene.obj", "garage.mtl", "animation.json"])
     await page.locator(".file-list").getByText(name, { exact: true }).waitFor();
@@ -89,7 +84,7 @@ test("the job that is submitted is watched until it is done", async () => {
   const between = new Set(seen.filter((value) => value > 0 && value < 100));
   assert.ok(between.size >= 3, `progress was seen on the way: ${[...between]}`);
   assert.deepEqual(seen, seen.slice().sort((a, b) => a - b), "progress goes on");
-  await untilState(service, id, "succeeded", 1);
+  await untilState(given.service, id, "succeeded", 1);
 });
 
 test("the light is there, and scrubbing shows another frame", async () => {
@@ -109,7 +104,7 @@ test("a patch that is clicked has the value that the service gives", async () =>
   for (const place of [kShadow, kLit]) {
     await canvas.click({ position: await pointAt(canvas, place) });
     const { patch, rgb } = await valueUnderPointer(values[0]?.patch);
-    const series = await get(service, `/v1/jobs/${id}/patches/${patch}/series.json`);
+    const series = await get(given.service, `/v1/jobs/${id}/patches/${patch}/series.json`);
     rgb.forEach((value, k) => assertNear(value, series.radiosity[60][k], `patch ${patch}, channel ${k}`));
     values.push({ patch, rgb });
   }
@@ -118,7 +113,7 @@ test("a patch that is clicked has the value that the service gives", async () =>
   const chips = page.locator(".probe-chip");
   assert.equal(await chips.count(), 2);
   await page.waitForFunction(() => [...document.querySelectorAll(".probe-value")].every((value) => value.textContent !== ""));
-  const [r, g, b] = (await get(service, `/v1/jobs/${id}/patches/${shadow}/series.json`)).radiosity[60];
+  const [r, g, b] = (await get(given.service, `/v1/jobs/${id}/patches/${shadow}/series.json`)).radiosity[60];
   const luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
   assertNear(parseFloat(await page.locator(".probe-value").first().textContent()), luminance, "beside the plot");
   await page.waitForFunction((patches) => decodeURIComponent(location.hash).includes(`patch=${patches}`), `${shadow},${lit}`);
@@ -139,7 +134,7 @@ test("pinned patches are plotted over all frames and saved as CSV", async () => 
 });
 
 test("a link leads to the same moment and patches", async () => {
-  const other = await Watched.open(browser, service, new URL(page.url()).pathname + new URL(page.url()).hash);
+  const other = await given.open(new URL(page.url()).pathname + new URL(page.url()).hash);
   await other.page.locator(".probe-chip").nth(1).waitFor();
   assert.match(await other.page.locator(".timeline-moment").textContent(), /^Frame 60 /);
   await other.close();

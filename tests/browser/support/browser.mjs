@@ -92,3 +92,9 @@ export async function untilLit(page, canvas = page.locator(".walk-canvas").first
 function isLit(page) {
   return page.evaluate(() => performance.getEntriesByType("resource").some(({ name, responseEnd }) => /\/half\//.test(name) && responseEnd > 0));
 }
+
+/** What was copied last; the context has the permissions clipboard-read and clipboard-write. */
+export async function copied(page) {
+  await page.getByText("Command copied").first().waitFor();
+  return page.evaluate(() => navigator.clipboard.readText());
+}

@@ -41,6 +41,12 @@ export async function get(service, path) {
   return response.json();
 }
 
+export async function post(service, path, body = {}) {
+  const response = await fetch(service.url + path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+  if (!response.ok) throw new Error(`${path}: ${response.status} ${await response.text()}`);
+  return response.json();
+}
+
 /** Until the job is in `state`. -> job */
 export function untilState(service, id, state, seconds = 240) {
   return waitFor(async () => {

@@ -24,8 +24,11 @@ export function curlOf(method: string, path: string, options: CurlOptions = {}):
   for (const [name, value] of Object.entries(options.headers ?? {})) words.push("-H", quoted(`${name}: ${value}`));
   if (options.json !== undefined)
     words.push("-H", quoted("Content-Type: application/json"), "-d", quoted(JSON.stringify(options.json)));
-  for (const part of options.form ?? [])
-    words.push("-F", quoted(part.file !== undefined ? `${part.field}=@${part.file}` : `${part.field}=${part.text ?? ""}`));
+  for (const { field, file, text } of options.form ?? []) {
+    // In what follows -F curl reads ; and , as its own; of --form-string it sends all.
+    if (file !== undefined) words.push("-F", quoted(`${field}=@${/[,;"\\]/.test(file) ? `"${file.replace(/["\\]/g, "\\$&")}"` : file}`));
+    else words.push("--form-string", quoted(`${field}=${text ?? ""}`));
+  }
   if (options.output !== undefined) words.push("-o", quoted(options.output));
   words.push(quoted(location.origin + urlOf(path, options)));
   return words.join(" ");

@@ -5,12 +5,14 @@ import { labelsOf, labelsText } from "../base/labels";
 
 const kSecondsPerDay = 86_400;
 
+export type GivenOptions = Partial<Pick<Job, "name" | "priority" | "labels" | "ttl_seconds" | "pinned">>;
+
 export interface JobOptionsForm {
   readonly element: HTMLElement;
   /** Only what was set. */
   values(): Record<string, unknown>;
-  /** As another job has them. */
-  start(job: Job): void;
+  /** As another job has them, or a file of options. */
+  start(given: GivenOptions): void;
 }
 
 export function jobOptionsForm(changed: () => void): JobOptionsForm {
@@ -20,19 +22,23 @@ export function jobOptionsForm(changed: () => void): JobOptionsForm {
   const labels = h("input", { ...events, type: "text", placeholder: "project=garage, take=3" });
   const days = h("input", { ...events, type: "number", min: 0, step: 1, placeholder: "as the operator has chosen" });
   const pinned = h("input", { ...events, type: "checkbox" });
-  const line = (label: string, input: HTMLElement, help: string) =>
-    h("label", { class: "setting" }, label, h("span", { class: "setting-input" }, input), h("span", { class: "muted small" }, help));
+  const line = (label: string, input: HTMLInputElement, help: string): HTMLElement => {
+    input.id = `option-${label.toLowerCase().replaceAll(" ", "-")}`;
+    input.setAttribute("aria-describedby", `${input.id}-help`);
+    return h("div", { class: "setting" }, h("label", { for: input.id }, label), h("div", { class: "setting-input" }, input),
+      h("div", { class: "muted small", id: `${input.id}-help` }, help));
+  };
   return {
     element: h("fieldset", { class: "settings-group" }, h("legend", null, "In the queue"), h("div", { class: "settings-fields" },
       line("Name", name, "For people."), line("Priority", priority, "0 to 100; higher is sooner. A minute of waiting is worth a point."),
       line("Labels", labels, "To find it by."), line("Keep for", days, "Days after it finished; then it is removed."),
       h("label", { class: "setting" }, h("span", null, pinned, " Pinned"), h("span", { class: "muted small" }, "Never removed by itself.")))),
-    start(job) {
-      name.value = job.name;
-      priority.value = String(job.priority);
-      labels.value = labelsText(job.labels);
-      days.value = job.ttl_seconds === null ? "" : String(job.ttl_seconds / kSecondsPerDay);
-      pinned.checked = job.pinned;
+    start(given) {
+      name.value = given.name ?? "";
+      priority.value = String(given.priority ?? "");
+      labels.value = labelsText(given.labels ?? {});
+      days.value = given.ttl_seconds ? String(given.ttl_seconds / kSecondsPerDay) : "";
+      pinned.checked = given.pinned ?? false;
     },
     values: () => ({
       ...(name.value.trim() ? { name: name.value.trim() } : {}),

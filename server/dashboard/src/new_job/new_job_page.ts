@@ -17,7 +17,7 @@ import { jobOptionsForm } from "./job_options_form";
 import { previewOf } from "./preview_request";
 import { scenePreview } from "./scene_preview";
 import { settingsForm } from "./settings_form";
-import { animationOf, formOf, isWhole, missing, withFiles, withSettings, type Part } from "./upload";
+import { formOf, isWhole, jsonOf, missing, withFiles, withSettings, type Part } from "./upload";
 import "./new_job.css";
 
 /** A setting is checked when nothing has been typed for so long. */
@@ -82,11 +82,14 @@ class NewJob {
   }
 
   private async take(parts: Part[]): Promise<void> {
-    const before = this.parts.find(({ field }) => field === "animation")?.file;
+    const before = this.parts;
+    const isNew = (field: Part["field"]): boolean =>
+      parts.find((part) => part.field === field)?.file !== before.find((part) => part.field === field)?.file;
     this.parts = parts;
-    const animation = parts.find(({ field }) => field === "animation")?.file;
-    if (animation !== before) {
-      this.animation = await animationOf(parts);
+    const options = isNew("options") ? await jsonOf(parts, "options") : null;
+    if (options) this.options.start(options);
+    if (isNew("animation")) {
+      this.animation = await jsonOf(parts, "animation");
       this.settings.start(this.animation);
     }
     this.show();
@@ -173,8 +176,12 @@ class NewJob {
     }
   }
 
+  /** Files by their names, to be run where they are; what was set in the form stands in the command itself. */
   private curl(): string {
-    const files = this.parts.map(({ field, file }) => ({ field, file: file.name }));
+    const animation = this.animation && JSON.stringify(withSettings(this.animation, this.settings.values()));
+    const changed = animation !== null && animation !== JSON.stringify(this.animation);
+    const files = this.parts.filter(({ field }) => field !== "options").map(({ field, file }) =>
+      (field === "animation" && changed ? { field, text: animation } : { field, file: file.name }));
     const options = this.options.values();
     return curlOf("POST", "/v1/jobs", { form: [...files, ...(Object.keys(options).length > 0 ? [{ field: "options", text: JSON.stringify(options) }] : [])] });
   }

@@ -50,9 +50,9 @@ export function missing(parts: readonly Part[]): string {
 
 type Json = Record<string, unknown>;
 
-/** What animation.json says; null: there is none, none that is JSON, or it is in an archive. */
-export async function animationOf(parts: readonly Part[]): Promise<Json | null> {
-  const file = parts.find(({ field }) => field === "animation")?.file;
+/** What this file says; null: there is none, none that is JSON, or it is in an archive. */
+export async function jsonOf(parts: readonly Part[], wanted: "animation" | "options"): Promise<Json | null> {
+  const file = parts.find(({ field }) => field === wanted)?.file;
   if (!file) return null;
   try {
     const value: unknown = JSON.parse(await file.text());

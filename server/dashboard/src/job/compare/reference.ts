@@ -2,7 +2,7 @@
 import { get, send } from "../../api/client";
 import { fetchInputs } from "../../api/job_inputs";
 import type { Job } from "../../api/types";
-import { animationOf, formOf, withFiles, withSettings } from "../../new_job/upload";
+import { formOf, jsonOf, withFiles, withSettings } from "../../new_job/upload";
 
 /** Says which job it is the reference of, so that it is found again. */
 const kLabel = "reference_of";
@@ -19,7 +19,7 @@ export async function referenceOf(id: string, signal: AbortSignal): Promise<Job>
 
 async function submitReference(job: Job, signal: AbortSignal): Promise<Job> {
   const { parts } = withFiles([], await fetchInputs(job.id, signal));
-  const animation = await animationOf(parts);
+  const animation = await jsonOf(parts, "animation");
   if (animation === null) throw new Error("The job's animation cannot be read.");
   const { mode } = (animation["lighting"] ?? {}) as { mode?: unknown };
   if (mode === "reference") throw new Error("This job is a reference itself: every frame of it was solved.");
