@@ -16,7 +16,7 @@ SKIPPED = 77
 
 
 def reasons():
-    """-> {NAME_test.py or NAME_test.py:test_name: why it is left out}"""
+    """-> {NAME_test.py, NAME_test.py:Class or NAME_test.py:test_name: why it is left out}"""
     found = {}
     for line in (HERE / "left_out.txt").read_text().splitlines():
         if line.strip() and not line.startswith("#"):
@@ -46,9 +46,9 @@ def main(name):
     spec.loader.exec_module(module)
     wanted, names = unittest.TestSuite(), set()
     for test in each_test(unittest.defaultTestLoader.loadTestsFromModule(module)):
-        method = test.id().rpartition(".")[2]
-        names.add(f"{name}:{method}")
-        why = left_out.get(f"{name}:{method}")
+        of_class, method = test.id().split(".")[-2:]
+        names.update((f"{name}:{method}", f"{name}:{of_class}"))
+        why = left_out.get(f"{name}:{method}") or left_out.get(f"{name}:{of_class}")
         if why:
             print(f"left out: {name}: {method}: {why}", flush=True)
         else:

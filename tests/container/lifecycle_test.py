@@ -125,9 +125,9 @@ class Volumes(VolumeTestCase):
         docker("cp", f"{service.name}:/data/keylume.db", database)
         self.assertEqual(database.read_bytes(), before)
 
-    @unittest.skip("left out: no image of a release exists yet whose volume could be carried over")
     def test_a_volume_of_the_released_image_is_taken_over(self):
-        pass
+        print("left out: a volume of the released image: none has been released yet", flush=True)
+        self.skipTest("no release yet")
 
 
 class FirstStart(VolumeTestCase):

@@ -21,7 +21,7 @@ class ComposeProject(Service):
         self.profiles = profiles
         self.port, self.proxy_port = free_port(), free_port()
         self.url = f"http://127.0.0.1:{self.port}"
-        self.environment = {**os.environ, "KEYLUME_PORT": str(self.port), "KEYLUME_PROXY_PORT": str(self.proxy_port)}
+        self.environment = {**os.environ, "KEYLUME_PORT": str(self.port), "KEYLUME_TLS_PORT": str(self.proxy_port)}
 
     def compose(self, *words, timeout_s=180):
         command = ["docker", "compose", "-f", str(COMPOSE), "-p", self.project]

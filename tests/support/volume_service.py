@@ -81,7 +81,7 @@ class VolumeService(Service):
                 for member in archive if "/artefacts/" in member.name}
 
     def artefact(self, job_id, name):
-        return curl(f"{self.url}/v1/jobs/{job_id}/{name}").body
+        return curl(f"{self.url}/v1/jobs/{job_id}/artefacts/{name}").body
 
 
 class VolumeTestCase(ServiceTestCase):
