@@ -8,10 +8,11 @@ import { finished, get, untilState, writeJob } from "./support/jobs.mjs";
 import { suite } from "./support/suite.mjs";
 
 const kFrames = 24;
+const kFps = 30;
 const kNarrow = { width: 390, height: 844 };
 
 const given = suite(async (service) => {
-  const folder = writeJob(join(service.folder, "job"), { frames: kFrames, width: 160, height: 90, tolerance: 0.2 });
+  const folder = writeJob(join(service.folder, "job"), { frames: kFrames, width: 160, height: 90, tolerance: 0.2 }, { frames: { count: kFrames, fps: kFps } });
   return {
     first: await finished(service, folder, { name: "first", labels: { project: "again" }, priority: 61 }),
     second: await finished(service, folder, { name: "second" }),
@@ -48,7 +49,7 @@ test("a video is made, stands at the slider's frame, and leads it while it plays
   const standsAt = (frame) => page.waitForFunction(([wanted, fps]) => {
     const { currentTime, seeking } = document.querySelector("video");
     return !seeking && Math.floor(currentTime * fps) === wanted;
-  }, [frame, 24]);
+  }, [frame, kFps]);
   const differences = [];
   for (const frame of [3, 20, 12]) {
     await slider.fill(String(frame));
@@ -66,7 +67,7 @@ test("a video is made, stands at the slider's frame, and leads it while it plays
   await page.waitForFunction((old) => Number(document.querySelector("input[aria-label='Frame of the pictures']").value) !== old, before);
   await video.evaluate((element) => element.pause());
   await page.waitForTimeout(200);
-  const [shown, frame] = [Number(await slider.inputValue()), await video.evaluate((element) => Math.floor(element.currentTime * 24))];
+  const [shown, frame] = [Number(await slider.inputValue()), await video.evaluate((element, fps) => Math.floor(element.currentTime * fps), kFps)];
   assert.ok(Math.abs(shown - frame) <= 1, `the slider says ${shown}, the video is at ${frame}`);
   await watched.close();
 });

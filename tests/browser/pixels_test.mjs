@@ -8,18 +8,24 @@ import { decodePng, difference } from "./support/pixels.mjs";
 import { Service } from "./support/service.mjs";
 
 const kSize = { width: 640, height: 360 };
-const kFrames = 120;
-/** The plane over the window of light, its shadow in the middle, and on its way out. */
-const kShown = [12, 60, 101];
+const kJobs = [
+  /** The plane over the window of light, its shadow in the middle, and on its way out. Facets are drawn as grids. */
+  { name: "garage", cut: { frames: 120 }, shown: [12, 60, 101] },
+  /** Cells of several sizes. */
+  { name: "adaptive garage", cut: { frames: 12, patch_layout: "adaptive" }, shown: [6] },
+  /** Triangles, smooth things, and several that move. */
+  { name: "office", cut: { example: "office", frames: 12 }, shown: [7] },
+];
 const kMeanMax = 0.02;
 const kPercentile99Max = 0.1;
 
-let service, browser, job;
+let service, browser;
+const made = new Map();
 
 before(async () => {
   service = await new Service().start();
   browser = await launch();
-  job = await finished(service, writeJob(join(service.folder, "garage"), { frames: kFrames, ...kSize }));
+  for (const { name, cut } of kJobs) made.set(name, await finished(service, writeJob(join(service.folder, name), { ...cut, ...kSize })));
 });
 after(async () => {
   await browser?.close();
@@ -34,19 +40,23 @@ function sizeCanvas(page) {
   }, kSize);
 }
 
-for (const frame of kShown) {
-  test(`frame ${frame} of the garage in the walk is the engine's picture`, async () => {
+async function picture(job, frame) {
+  const answer = await fetch(`${service.url}/v1/jobs/${job.id}/frames/${frame}/image.png`);
+  return decodePng(Buffer.from(await answer.arrayBuffer()));
+}
+
+const percent = (x) => `${(100 * x).toFixed(2)} %`;
+
+for (const { name, shown } of kJobs) for (const frame of shown) {
+  test(`frame ${frame} of the ${name} in the walk is the engine's picture`, async () => {
+    const job = made.get(name);
     const watched = await Watched.open(browser, service, `/jobs/${job.id}#frame=${frame}`);
     const { page } = watched;
     await page.locator(".walk-canvas").waitFor();
     await sizeCanvas(page);
     const canvas = await untilLit(page);
-    const shown = decodePng(await canvas.screenshot());
-    const answer = await fetch(`${service.url}/v1/jobs/${job.id}/frames/${frame}/image.png`);
-    const wanted = decodePng(Buffer.from(await answer.arrayBuffer()));
-    const { mean, percentile99, largest } = difference(shown, wanted);
-    const percent = (x) => `${(100 * x).toFixed(2)} %`;
-    console.log(`ratio: frame ${frame}: mean difference ${percent(mean)}, 99th percentile ${percent(percentile99)}, largest ${percent(largest)}`);
+    const { mean, percentile99, largest } = difference(decodePng(await canvas.screenshot()), await picture(job, frame));
+    console.log(`ratio: ${name}, frame ${frame}: mean difference ${percent(mean)}, 99th percentile ${percent(percentile99)}, largest ${percent(largest)}`);
     assert.ok(mean < kMeanMax, `mean difference ${percent(mean)}`);
     assert.ok(percentile99 < kPercentile99Max, `99th percentile ${percent(percentile99)}`);
     await watched.close();
@@ -54,7 +64,7 @@ for (const frame of kShown) {
 }
 
 test("the comparison tells frames apart", async () => {
-  const picture = async (frame) => decodePng(Buffer.from(await (await fetch(`${service.url}/v1/jobs/${job.id}/frames/${frame}/image.png`)).arrayBuffer()));
-  const { percentile99 } = difference(await picture(kShown[0]), await picture(kShown[1]));
+  const [{ name, shown: [a, b] }] = kJobs;
+  const { percentile99 } = difference(await picture(made.get(name), a), await picture(made.get(name), b));
   assert.ok(percentile99 >= kPercentile99Max, `${percentile99}`);
 });

@@ -52,6 +52,13 @@ export function sights({ garage, done, grouped }) {
       await page.getByRole("region", { name: "Relight" }).waitFor();
     } },
     { name: "images", path: `/jobs/${done.id}#tab=images&frame=60`, prepare: shown(".frame-picture") },
+    { name: "delete", path: `/jobs/${done.id}#tab=report`, prepare: async (page) => {
+      await page.locator(".report .log").waitFor();
+      await page.getByRole("button", { name: "Actions for this job" }).click();
+      const [inMenu, besideIt] = [page.getByRole("menuitem", { name: "Delete…", exact: true }), page.getByRole("button", { name: "Delete…", exact: true })];
+      await (await inMenu.count() > 0 ? inMenu : besideIt).click();
+      await page.getByRole("dialog").waitFor();
+    } },
     { name: "report", path: `/jobs/${done.id}#tab=report`, prepare: shown(".report .log") },
     { name: "compare", path: `/compare?a=${done.id}&b=${done.id}#frame=60`, prepare: (page) => untilLit(page, page.locator(".walk-frame")) },
     { name: "system", path: "/system", prepare: shown(".cards .good") },

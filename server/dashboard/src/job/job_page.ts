@@ -17,6 +17,7 @@ import { Playhead } from "./playhead";
 import { openProbe } from "./probe/probe_part";
 import { openRelight } from "./relight/relight_part";
 import { openReport } from "./report/report_part";
+import { startPlaying } from "./timeline/play_keys";
 import { openTimeline } from "./timeline/timeline_part";
 import { openWalk } from "./walk/walk_part";
 import "./job.css";
@@ -65,6 +66,7 @@ function showJob(page: PageContext, content: HTMLElement, first: Job): void {
   };
   page.lifetime.add(job.watch((now) => page.setTitle(now.name || now.id)));
   keepInAddress(context.playhead, page.lifetime);
+  startPlaying(context.playhead, page.lifetime);
   content.removeAttribute("aria-busy");
   fill(content, jobHead(context, keeper), tabs("Parts of the job", [
     part("walk", "Walk", context, [openWalk, openTimeline, openProbe, openRelight]),

@@ -35,7 +35,7 @@ function keepInAddress(filter: Filter): void {
 export function filters(first: Filter, changed: (filter: Filter) => void): Filters {
   const options = kJobStates.map((state) => h("option", { value: state }, stateWords[state]));
   const state = h("select", { "aria-label": "State" }, h("option", { value: "" }, "All states"), options);
-  const label = h("input", { type: "search", "aria-label": "Labels", placeholder: "project=garage, take=3", maxlength: 256 });
+  const label = h("input", { type: "search", "aria-label": "Labels", placeholder: "Labels, name=value", maxlength: 256 });
   const text = h("input", { type: "search", "aria-label": "Search in names, ids, owners and labels", placeholder: "Search", maxlength: 128 });
   const markWrong = (): void => {
     const { wrong } = labelFilters(label.value);

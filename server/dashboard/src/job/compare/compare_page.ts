@@ -7,6 +7,7 @@ import type { OpenPage, PageContext } from "../../shell/page";
 import type { JobContext, LightStage } from "../job_part";
 import { Playhead } from "../playhead";
 import { keepInAddress } from "../deep_link";
+import { startPlaying } from "../timeline/play_keys";
 import { timeline } from "../timeline/timeline_part";
 import { fetchMesh } from "../walk/fetch_mesh";
 import { chooser } from "./chooser";
@@ -45,6 +46,7 @@ async function begin(page: PageContext, place: HTMLElement, idA: string, idB: st
   if (a.job.value.frame_count !== b.job.value.frame_count) throw new Error("The jobs have different numbers of frames: they cannot be compared.");
   a.playhead.fps = a.opened.mesh.fps;
   keepInAddress(a.playhead, page.lifetime);
+  startPlaying(a.playhead, page.lifetime);
   const plot = h("div", { class: "compare-plot" });
   fill(place, await compareSights(a, b), timeline(a, b), plot);
   rmsePlot(plot, a, b);

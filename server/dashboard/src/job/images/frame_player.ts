@@ -4,7 +4,7 @@ import { curlOf } from "../../api/curl";
 import { fill, h } from "../../base/h";
 import { copyCurlButton } from "../../shell/copy_curl";
 import type { JobContext } from "../job_part";
-import { frameSlider } from "../timeline/play_controls";
+import { frameSlider, playButton } from "../timeline/play_controls";
 
 const kLookMs = 3000;
 
@@ -47,7 +47,7 @@ export function framePlayer(context: JobContext): HTMLElement {
   keepLooking(context, look);
   lifetime.add(playhead.time.watch(show));
   return h("section", { "aria-label": "Pictures" },
-    h("div", { class: "row" }, h("h2", null, "Pictures"), h("label", null, "Camera ", choice),
+    h("div", { class: "row" }, h("h2", null, "Pictures"), playButton(playhead, lifetime), h("label", null, "Camera ", choice),
       copyCurlButton(() => curlOf("GET", "/v1/jobs/{id}/frames/{f}/image.png", {
         path: { id: context.id, f: playhead.frame }, query: { camera }, output: `frame_${playhead.frame}.png`,
       }), "fetch this picture")),

@@ -11,14 +11,14 @@ const kFormats = ["mp4", "webm"] as const;
 type Format = (typeof kFormats)[number];
 const kWaitSeconds = 1;
 /** In frames: the time of a frame is rounded to the clock of the file. */
-const kSlack = 0.01;
+const kSlack = 0.05;
 
 function pathOf(format: Format): "/v1/jobs/{id}/video.mp4" | "/v1/jobs/{id}/video.webm" {
   return format === "mp4" ? "/v1/jobs/{id}/video.mp4" : "/v1/jobs/{id}/video.webm";
 }
 
 export function videoPlayer(context: JobContext): HTMLElement {
-  const place = h("div");
+  const place = h("div", { class: "video-place" });
   let shown = new Lifetime();
   context.lifetime.add(() => shown.end());
   const remake = (format: Format): void => {
@@ -26,10 +26,9 @@ export function videoPlayer(context: JobContext): HTMLElement {
     shown = new Lifetime();
     void make(context, shown, format, place);
   };
-  const buttons = kFormats.flatMap((format) => [
+  const buttons = kFormats.map((format) => h("span", { class: "with-curl" },
     h("button", { onclick: () => remake(format) }, `Make ${format}`),
-    copyCurlButton(() => curlOf("GET", pathOf(format), { path: { id: context.id }, output: `job.${format}` }), `fetch the video as ${format}`),
-  ]);
+    copyCurlButton(() => curlOf("GET", pathOf(format), { path: { id: context.id }, output: `job.${format}` }), `fetch the video as ${format}`)));
   const row = h("div", { class: "row" }, h("h2", null, "Video"), buttons);
   const element = h("section", { "aria-label": "Video" }, row, place);
   context.lifetime.add(context.job.watch((job) => (element.hidden = job.state !== "succeeded")));
@@ -57,9 +56,11 @@ async function make(context: JobContext, lifetime: Lifetime, format: Format, pla
 /** While it plays it leads, else it follows. */
 function player({ playhead }: JobContext, lifetime: Lifetime, url: string): HTMLVideoElement {
   const video = h("video", { src: url, controls: true, muted: true, loop: true, preload: "auto", class: "frame-picture" });
-  const middle = (frame: number): number => (frame + 0.5) / playhead.fps;
+  // The playhead knows the job's own pace only where Walk has been opened.
+  const fps = (): number => (video.duration > 0 ? playhead.frameCount / video.duration : playhead.fps);
+  const middle = (frame: number): number => (frame + 0.5) / fps();
   const lead = (seconds: number): void => {
-    playhead.time.value = Math.min(Math.floor(seconds * playhead.fps + kSlack), playhead.frameCount - 1);
+    playhead.time.value = Math.min(Math.floor(seconds * fps() + kSlack), playhead.frameCount - 1);
   };
   // Told of every frame that is shown where the browser does so, else a few times a second.
   const eachFrame = (_: number, { mediaTime }: { mediaTime: number }): void => {
@@ -70,8 +71,10 @@ function player({ playhead }: JobContext, lifetime: Lifetime, url: string): HTML
   else lifetime.listen(video, "timeupdate", () => !(video as HTMLVideoElement).paused && lead((video as HTMLVideoElement).currentTime));
   lifetime.listen(video, "pause", () => lead(video.currentTime));
   lifetime.listen(video, "play", () => (playhead.playing.value = false));
-  lifetime.add(playhead.time.watch(() => {
-    if (video.paused && Math.abs(video.currentTime - middle(playhead.frame)) > 0.5 / playhead.fps) video.currentTime = middle(playhead.frame);
-  }));
+  const follow = (): void => {
+    if (video.paused && Math.abs(video.currentTime - middle(playhead.frame)) > 0.5 / fps()) video.currentTime = middle(playhead.frame);
+  };
+  lifetime.listen(video, "loadedmetadata", follow);
+  lifetime.add(playhead.time.watch(follow));
   return video;
 }

@@ -66,7 +66,9 @@ export const openProbe: OpenJobPart = (context) => {
   }, kChannels.map(({ name, label }) => h("option", { value: name }, label)));
   fill(tools, h("label", null, "Plot ", select), csvButtons(context));
   lifetime.add(playhead.pinned.watch(show), context.job.watch((job) => job.state === "succeeded" && known.size === 0 && show()));
-  return h("section", { class: "probe", "aria-label": "Probe" }, h("h2", null, "Probe"), chips, tools, place);
+  const element = h("section", { class: "probe", "aria-label": "Probe" }, h("h2", null, "Probe"), chips, tools, place);
+  lifetime.add(context.job.watch(({ state }) => (element.hidden = state !== "succeeded"))); // before, there is no picture to click into
+  return element;
 };
 
 async function fetchMissing(context: JobContext, patches: readonly number[], known: Map<number, PatchSeries>): Promise<void> {

@@ -1,10 +1,9 @@
 // Timeline: the moment, playing, key-frames, and the error of every interval.
 import { fill, h } from "../../base/h";
-import { addKeys } from "../../shell/keys";
 import { keyFramesOf, type KeyFrames } from "../key_frames";
 import type { JobContext, OpenJobPart } from "../job_part";
 import { frameSlider, playButton } from "./play_controls";
-import { shuttle, startPlayer, stepBy, toggle } from "./player";
+import { stepBy } from "./player";
 import { track } from "./track";
 import "./timeline.css";
 
@@ -13,25 +12,12 @@ export const openTimeline: OpenJobPart = (context) => timeline(context, null);
 /** `other`: a job beside it, whose key-frames are shown as well. */
 export function timeline(context: JobContext, other: JobContext | null): HTMLElement {
   const { playhead, lifetime } = context;
-  startPlayer(playhead, lifetime);
-  addPlayKeys(context);
   const lines = h("div", { class: "timeline-track" });
   showTrack(context, other, lines);
-  return h("section", { class: "timeline", "aria-label": "Timeline" },
+  const element = h("section", { class: "timeline", "aria-label": "Timeline" },
     h("div", { class: "timeline-row row" }, buttons(context), moment(context)), frameSlider(playhead, lifetime), lines);
-}
-
-function addPlayKeys({ playhead, lifetime }: JobContext): void {
-  addKeys(lifetime, "Timeline", [
-    { keys: "Space", does: "Play or stop", run: () => toggle(playhead) },
-    { keys: "l", does: "Play on; again: faster", run: () => shuttle(playhead, 1) },
-    { keys: "j", does: "Play back; again: faster", run: () => shuttle(playhead, -1) },
-    { keys: "k", does: "Stop", run: () => (playhead.playing.value = false) },
-    { keys: ",", does: "One frame back", run: () => stepBy(playhead, -1) },
-    { keys: ".", does: "One frame on", run: () => stepBy(playhead, 1) },
-    { keys: "Home", does: "First frame", run: () => stepBy(playhead, -playhead.frameCount) },
-    { keys: "End", does: "Last frame", run: () => stepBy(playhead, playhead.frameCount) },
-  ]);
+  lifetime.add(context.job.watch(({ state }) => (element.hidden = state !== "succeeded"))); // before, there is nothing to go through
+  return element;
 }
 
 function buttons({ playhead, lifetime }: JobContext): Node[] {
