@@ -88,7 +88,7 @@ Sentences wrong_made_later(const fs::path& job, std::size_t& checked) {
     const std::string name = at->path().filename().string();
     if (name.starts_with(".tmp.") || !at->is_directory(error)) continue;
     ++checked;
-    const auto files = collect_files(at->path());
+    const auto files = check_files(at->path());
     if (!files && fs::exists(at->path(), error))
       wrong.push_back("views/" + name + ": " + files.error().message);
   }

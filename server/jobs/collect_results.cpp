@@ -76,15 +76,27 @@ bool is_media_type(std::string_view text) {
   return !text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789/.+-") == text.npos;
 }
 
-api::Status check(const std::filesystem::path& folder, const std::vector<ArtefactFile>& files,
-                  const std::atomic<bool>& stopping = kNeverStops) {
+api::Result<std::vector<ClaimedFile>> claims_of(const std::vector<ArtefactFile>& files) {
   std::vector<ClaimedFile> claims;
   for (const ArtefactFile& file : files) {
     if (!is_media_type(file.media_type))
       return api::Error{api::Fault::invalid_request, "artefact '" + file.path + "' has a bad media type"};
     claims.push_back({file.path, file.bytes, file.sha256});
   }
-  return verify_files(folder, claims, stopping);
+  return claims;
+}
+
+api::Status check(const std::filesystem::path& folder, const std::vector<ArtefactFile>& files,
+                  const std::atomic<bool>& stopping = kNeverStops) {
+  const auto claims = claims_of(files);
+  return claims ? verify_files(folder, *claims, stopping) : api::Status(claims.error());
+}
+
+/// What manifest.json of a view says.
+api::Result<std::vector<ArtefactFile>> listed_files(const std::filesystem::path& folder) {
+  const auto manifest = read_below(folder, kManifest, bytes_of_manifest(kViewFilesMax));
+  if (!manifest) return manifest.error();
+  return parse_manifest(*manifest, kViewFilesMax);
 }
 
 /// Do the intervals follow each other, each longer than nothing and within the animation?
@@ -154,13 +166,21 @@ api::JobReport read_report_at(const std::filesystem::path& folder, std::string_v
   return read_report_file(folder, file);
 }
 
-api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder,
-                                                     const std::atomic<bool>& stopping) {
-  const auto manifest = read_below(folder, kManifest, bytes_of_manifest(kViewFilesMax));
-  if (!manifest) return manifest.error();
-  auto files = parse_manifest(*manifest, kViewFilesMax);
+api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder) {
+  auto files = listed_files(folder);
   if (!files) return files;
-  if (const api::Status whole = check(folder, *files, stopping); !whole) return whole.error();
+  if (const api::Status whole = check(folder, *files); !whole) return whole.error();
+  return files;
+}
+
+api::Result<std::vector<ArtefactFile>> check_files(const std::filesystem::path& folder,
+                                                   const std::atomic<bool>& stopping) {
+  auto files = listed_files(folder);
+  if (!files) return files;
+  const auto claims = claims_of(*files);
+  if (!claims) return claims.error();
+  for (const ClaimedFile& file : *claims)
+    if (const api::Status whole = verify_file(folder, file, stopping); !whole) return whole.error();
   return files;
 }
 

@@ -20,10 +20,12 @@ namespace server {
 api::Result<Results> collect_results(const std::filesystem::path& job_folder, std::uint32_t frame_count,
                                      const std::atomic<bool>& stopping = kNeverStops);
 
-/// The same of any folder with a manifest.json, without key-frames: its files, manifest.json not among them.
-/// Errors: the same.
-api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder,
-                                                     const std::atomic<bool>& stopping = kNeverStops);
+/// The same of any folder with a manifest.json, without key-frames, when a worker has just left it:
+/// its files, manifest.json not among them. Errors: the same.
+api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder);
+/// The same long after: a backup may have given the files more names, and reading them may take its time.
+api::Result<std::vector<ArtefactFile>> check_files(const std::filesystem::path& folder,
+                                                   const std::atomic<bool>& stopping = kNeverStops);
 
 /// `file` of `folder` as a report, checked; none or a broken one: an empty report.
 api::JobReport read_report_at(const std::filesystem::path& folder, std::string_view file);

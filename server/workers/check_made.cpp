@@ -35,7 +35,7 @@ bool are_the_same(const std::vector<ArtefactFile>& left, const std::vector<Artef
 
 /// What its manifest says of it, and what was kept when it was made.
 api::Status must_be_as_made(const fs::path& view, const fs::path& hashes, const std::atomic<bool>& stopping) {
-  const auto files = collect_files(view, stopping);
+  const auto files = check_files(view, stopping);
   if (!files) return files.error();
   const auto kept = read_view_hashes(hashes);
   if (kept && !are_the_same(*kept, *files))

@@ -175,7 +175,13 @@ class Integrity(ServiceTestCase):
         png = next(folder.rglob("*.png"))
         self.rounds(service)
         self.rounds(service)
+        backup = [SERVER, "backup", str(self.folder / "backup"), "--data", str(service.data)]
+        subprocess.run(backup, check=True, capture_output=True, timeout=60)  # gives its files a second name
+        self.rounds(service)
+        self.rounds(service)
         self.assertEqual(self.logged(service, folder.name), 0, "nothing was wrong with it")
+        checked = subprocess.run([SERVER, "check", "--data", str(service.data)], capture_output=True, text=True)
+        self.assertEqual(checked.returncode, 0, checked.stdout)
         damages = {"changed": lambda: self.flip(png), "removed": png.unlink,
                    "manifest changed": lambda: self.flip(folder / "manifest.json"),
                    "hashes changed": lambda: self.flip_at(folder.with_name(folder.name + ".hashes"), 20),
