@@ -8,6 +8,8 @@ import { decodePng, difference } from "./support/pixels.mjs";
 import { Service } from "./support/service.mjs";
 
 const kSize = { width: 640, height: 360 };
+/** Of the examples' pictures. */
+const kCamera = "main";
 const kJobs = [
   /** The plane over the window of light, its shadow in the middle, and on its way out. Facets are drawn as grids. */
   { name: "garage", cut: { frames: 120 }, shown: [12, 60, 101] },
@@ -53,6 +55,7 @@ for (const { name, shown } of kJobs) for (const frame of shown) {
     const watched = await Watched.open(browser, service, `/jobs/${job.id}#frame=${frame}`);
     const { page } = watched;
     await page.locator(".walk-canvas").waitFor();
+    await page.locator(".walk-tools").getByLabel("Camera").selectOption(kCamera);
     await sizeCanvas(page);
     const canvas = await untilLit(page);
     const { mean, percentile99, largest } = difference(decodePng(await canvas.screenshot()), await picture(job, frame));

@@ -4,7 +4,7 @@ import type { WebGLRenderer } from "three";
 import type { Picked } from "./lighting_view";
 import type { ShadingMesh } from "./shading_mesh";
 import { kPickFragment } from "./shaders";
-import { cornerOf, normalOf, poseAt, surfaceMaterial, type Surface } from "./surfaces";
+import { cornerOf, normalOf, poseAt, SurfaceMaterials, type Surface } from "./surfaces";
 import { Matrix4 } from "three";
 
 export class Picker {
@@ -19,14 +19,14 @@ export class Picker {
     private readonly surfaces: readonly Surface[],
     uniforms: Record<string, { value: unknown }>,
   ) {
-    this.materials = [false, true].map((isBack) => surfaceMaterial(kPickFragment, uniforms, isBack));
+    this.materials = new SurfaceMaterials(kPickFragment, uniforms);
   }
 
   /** `x`, `y`: of a canvas of `size`, in CSS pixels. */
   pick(scene: Scene, camera: PerspectiveCamera, size: Vector2, x: number, y: number, time: number): Picked | null {
     const bytes = new Uint8Array(4);
     const usual = this.surfaces.map(({ mesh }) => mesh.material);
-    for (const { mesh, isBack } of this.surfaces) mesh.material = this.materials[isBack ? 1 : 0]!;
+    for (const { mesh, kind } of this.surfaces) mesh.material = this.materials.of(kind);
     camera.setViewOffset(size.x, size.y, x, y, 1, 1);
     this.renderer.setRenderTarget(this.target);
     this.renderer.setClearColor(0x000000, 0);
@@ -43,7 +43,7 @@ export class Picker {
 
   dispose(): void {
     this.target.dispose();
-    for (const material of this.materials) material.dispose();
+    this.materials.dispose();
   }
 
   private found(patch: number, camera: PerspectiveCamera, size: Vector2, x: number, y: number, time: number): Picked {

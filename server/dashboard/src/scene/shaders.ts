@@ -69,7 +69,7 @@ void main() {
 `;
 
 /**
- * `grid`: first patch, stride, first place, rows, see grids.ts; no rows for a triangle, whose corners lie at (0, 0), (1, 0),
+ * `grid`: first, stride, first place, rows, see grids.ts; no rows for a triangle, whose corners lie at (0, 0), (1, 0),
  * (0, 1). `corner`: in cells.
  */
 export const kSurfaceVertex = `
@@ -91,18 +91,35 @@ void main() {
 }
 `;
 
-/** The cell one looks at: its patch, its first node, and where in it. */
+/** The cell one looks at: its patch, the places of its corners, and where in it. MOSAIC: cells of several sizes. */
 const kCell = `
+uniform usampler2D units;
 flat in ivec4 cells;
 in vec2 place;
-ivec2 cellAt(out vec2 inside) {
-  ivec2 count = max(ivec2(abs(cells.y), cells.w), 1);
+struct Cell {
+  uint patchId;
+  int low, high;    // places of its corners (0, 0) and (0, 1); one on: (1, 0) and (1, 1)
+  vec2 at;          // 0 .. 1
+  float size;       // where cells are of one size 1
+  bool triangle;
+};
+Cell cellHere() {
+  int columns = abs(cells.y);
+  ivec2 count = max(ivec2(columns, cells.w), 1);
   vec2 within = clamp(place, vec2(0.0), vec2(count));
-  ivec2 cell = min(ivec2(within), count - 1);
-  inside = within - vec2(cell);
-  return cell;
+  ivec2 unit = min(ivec2(within), count - 1);
+  int n = cells.x + unit.y * cells.y + unit.x;
+#ifdef MOSAIC
+  uvec2 tile = texelFetch(units, texelOf(uint(n)), 0).rg;
+  int size = 1 << (tile.y & 15u), low = int(tile.y >> 4);
+  ivec2 origin = unit & ~(size - 1);
+  return Cell(tile.x, low, low + 2, (within - vec2(origin)) / float(size), float(size), false);
+#else
+  bool triangle = cells.w == 0;
+  int low = cells.z + unit.y * (columns + 1) + unit.x;
+  return Cell(uint(n), low, low + (triangle ? 2 : columns + 1), within - vec2(unit), 1.0, triangle);
+#endif
 }
-uint patchOf(ivec2 cell) { return uint(cells.x + cell.y * cells.y + cell.x); }
 `;
 
 /**
@@ -113,6 +130,7 @@ export const kSurfaceFragment = `
 precision highp float;
 precision highp int;
 precision highp sampler2D;
+precision highp usampler2D;
 uniform sampler2D patches, nodeValues, palette, reflectance, marked;
 uniform vec4 scale;   // from, to, log, signed
 uniform float exposure, filmicScale;
@@ -121,16 +139,15 @@ in vec3 seenAt;
 out vec4 colour;
 ${kTexel}${kCell}
 vec3 node(int n) { return texelFetch(nodeValues, texelOf(uint(n)), 0).rgb; }
-vec3 radiosity(ivec2 cell, vec2 at) {
+vec3 radiosity(Cell cell) {
 #ifdef SMOOTH
-  bool triangle = cells.w == 0;
-  int low = cells.z + cell.y * (abs(cells.y) + 1) + cell.x;
-  int high = low + (triangle ? 2 : abs(cells.y) + 1);
+  vec2 at = cell.at;
   vec4 share = vec4((1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), (1.0 - at.x) * at.y, at.x * at.y);
-  if (triangle) share = vec4(max(1.0 - at.x - at.y, 0.0), at, 0.0);
-  return share.x * node(low) + share.y * node(low + 1) + share.z * node(high) + share.w * node(high + (triangle ? 0 : 1));
+  if (cell.triangle) share = vec4(max(1.0 - at.x - at.y, 0.0), at, 0.0);
+  return share.x * node(cell.low) + share.y * node(cell.low + 1)
+       + share.z * node(cell.high) + share.w * node(cell.high + (cell.triangle ? 0 : 1));
 #else
-  return texelFetch(patches, texelOf(patchOf(cell)), 0).rgb;
+  return texelFetch(patches, texelOf(cell.patchId), 0).rgb;
 #endif
 }
 vec3 hable(vec3 x) {
@@ -159,10 +176,11 @@ vec3 clay(vec4 material) {
   vec3 lit = srgb(material.rgb * (0.25 + 0.75 * abs(dot(normal, normalize(seenAt)))));
   return mix(lit, tint, 0.45 * step(0.001, dot(tint, tint)));
 }
-float edge(vec2 at) {
-  vec2 wide = fwidth(place);
-  vec2 from = min(at, 1.0 - at) / wide;
-  if (cells.w == 0) from = vec2(min(at.x / wide.x, at.y / wide.y), (1.0 - at.x - at.y) / fwidth(place.x + place.y));
+float edge(Cell cell) {
+  vec2 wide = fwidth(place) / cell.size;
+  vec2 from = min(cell.at, 1.0 - cell.at) / wide;
+  if (cell.triangle)
+    from = vec2(min(cell.at.x / wide.x, cell.at.y / wide.y), (1.0 - cell.at.x - cell.at.y) / fwidth(place.x + place.y));
   // Cells of a few pixels would be nothing but borders.
   float room = 1.0 / max(max(wide.x, wide.y), 1e-6);
   return (1.0 - smoothstep(0.5, 1.5, min(from.x, from.y))) * smoothstep(3.0, 9.0, room);
@@ -171,26 +189,25 @@ void main() {
 #if defined(BACK) && WHAT != 2
   colour = vec4(0.0, 0.0, 0.0, 1.0);
 #else
-  vec2 at;
-  ivec2 cell = cellAt(at);
+  Cell cell = cellHere();
 #ifdef BACK
   // One looks into a room from outside, and sees where its lamps are.
-  if (texelFetch(reflectance, texelOf(patchOf(cell)), 0).a < 0.5) discard;
+  if (texelFetch(reflectance, texelOf(cell.patchId), 0).a < 0.5) discard;
   colour = vec4(0.7, 0.6, 0.2, 1.0);
 #else
 #if WHAT == 0
-  vec3 shown = srgb(toneCurve(max(radiosity(cell, at), 0.0) * exposure));
+  vec3 shown = srgb(toneCurve(max(radiosity(cell), 0.0) * exposure));
 #elif WHAT == 1
-  vec3 shown = falseColour(radiosity(cell, at));
+  vec3 shown = falseColour(radiosity(cell));
 #else
-  vec3 shown = clay(texelFetch(reflectance, texelOf(patchOf(cell)), 0));
+  vec3 shown = clay(texelFetch(reflectance, texelOf(cell.patchId), 0));
 #endif
 #ifdef BORDERS
-  shown *= 1.0 - 0.45 * edge(at);
+  shown *= 1.0 - 0.45 * edge(cell);
 #endif
 #ifdef MARKED
-  float mark = texelFetch(marked, texelOf(patchOf(cell)), 0).r;
-  if (mark > 0.0) shown = mix(shown, vec3(1.0, 0.45, 0.0), max(0.35, edge(at)));
+  float mark = texelFetch(marked, texelOf(cell.patchId), 0).r;
+  if (mark > 0.0) shown = mix(shown, vec3(1.0, 0.45, 0.0), max(0.35, edge(cell)));
 #endif
   colour = vec4(shown, 1.0);
 #endif
@@ -202,15 +219,15 @@ void main() {
 export const kPickFragment = `
 precision highp float;
 precision highp int;
+precision highp usampler2D;
 in vec3 seenAt;
 out vec4 colour;
-${kCell}
+${kTexel}${kCell}
 void main() {
 #ifdef BACK
   uint n = 0u;
 #else
-  vec2 at;
-  uint n = patchOf(cellAt(at)) + 1u;
+  uint n = cellHere().patchId + 1u;
 #endif
   colour = vec4(float(n & 255u), float((n >> 8) & 255u), float((n >> 16) & 255u), 255.0) / 255.0;
 }

@@ -3,7 +3,7 @@ import {
   BackSide, BufferAttribute, BufferGeometry, FrontSide, GLSL3, Matrix4, Mesh, RawShaderMaterial, Sphere, Vector3,
 } from "three";
 import type { Material } from "three";
-import { outlineOf, type Grid, type Grids } from "./grids";
+import type { Grid } from "./grids";
 import type { ShadingMesh } from "./shading_mesh";
 import { kNoNode } from "./shading_mesh";
 import { kSurfaceVertex } from "./shaders";
@@ -11,15 +11,39 @@ import { kSurfaceVertex } from "./shaders";
 export interface Surface {
   readonly mesh: Mesh<BufferGeometry, Material>;
   readonly object: number;
+  readonly kind: SurfaceKind;
+}
+
+export interface SurfaceKind {
   /** The black backs of patches that have nothing on their other side. */
   readonly isBack: boolean;
+  /** Cells of several sizes. */
+  readonly isMosaic: boolean;
+}
+
+/** A material for each kind of surface. */
+export class SurfaceMaterials {
+  readonly all: readonly RawShaderMaterial[];
+
+  constructor(fragmentShader: string, uniforms: Record<string, { value: unknown }>) {
+    const kinds = [0, 1, 2, 3].map((k) => ({ isBack: (k & 1) !== 0, isMosaic: (k & 2) !== 0 }));
+    this.all = kinds.map((kind) => surfaceMaterial(fragmentShader, uniforms, kind));
+  }
+
+  of({ isBack, isMosaic }: SurfaceKind): RawShaderMaterial {
+    return this.all[(isBack ? 1 : 0) + (isMosaic ? 2 : 0)]!;
+  }
+
+  dispose(): void {
+    for (const material of this.all) material.dispose();
+  }
 }
 
 /** Uniforms that all surfaces share are the same objects. */
-export function surfaceMaterial(fragmentShader: string, uniforms: Record<string, { value: unknown }>, isBack: boolean): RawShaderMaterial {
+function surfaceMaterial(fragmentShader: string, uniforms: Record<string, { value: unknown }>, { isBack, isMosaic }: SurfaceKind): RawShaderMaterial {
   return new RawShaderMaterial({
     glslVersion: GLSL3, vertexShader: kSurfaceVertex, fragmentShader,
-    defines: isBack ? { BACK: 1, WHAT: 0 } : { WHAT: 0 },
+    defines: { WHAT: 0, ...(isBack ? { BACK: 1 } : {}), ...(isMosaic ? { MOSAIC: 1 } : {}) },
     uniforms: { ...uniforms, tint: { value: new Vector3() } },
     side: isBack ? BackSide : FrontSide,
     // At the edges of closed things backs would shine through between the faces: they stand back a little.
@@ -54,34 +78,34 @@ function haveBothSides(mesh: ShadingMesh): Uint8Array {
   return Uint8Array.from({ length: mesh.patchCount }, (_, patch) => (both.has(mesh.patchFacet[patch]!) ? 1 : 0));
 }
 
-export function buildSurfaces(mesh: ShadingMesh, all: Grids, materialOf: (isBack: boolean) => Material): Surface[] {
+export function buildSurfaces(mesh: ShadingMesh, all: readonly Grid[], materials: SurfaceMaterials): Surface[] {
   const both = haveBothSides(mesh);
   const groups = new Map<string, Grid[]>();
-  for (const grid of all.grids) {
-    const key = `${mesh.patchObject[grid.first]} ${both[grid.first]}`;
+  for (const grid of all) {
+    const key = `${mesh.patchObject[grid.patch]} ${both[grid.patch]} ${grid.isMosaic}`;
     const group = groups.get(key);
     if (group) group.push(grid);
     else groups.set(key, [grid]);
   }
-  return Array.from(groups, ([key, grids]) => {
-    const [object, isBoth] = key.split(" ").map(Number) as [number, number];
-    const geometry = geometryOf(mesh, all, grids);
-    return (isBoth === 1 ? [false] : [false, true]).map((isBack) => {
-      const surface = new Mesh(geometry, materialOf(isBack));
+  return Array.from(groups.values(), (grids) => {
+    const { patch, isMosaic } = grids[0]!;
+    const geometry = geometryOf(mesh, grids);
+    return (both[patch] === 1 ? [false] : [false, true]).map((isBack) => {
+      const surface = new Mesh<BufferGeometry, Material>(geometry, materials.of({ isBack, isMosaic }));
       surface.matrixAutoUpdate = false;
-      return { mesh: surface, object, isBack };
+      return { mesh: surface, object: mesh.patchObject[patch]!, kind: { isBack, isMosaic } };
     });
   }).flat();
 }
 
-function geometryOf(mesh: ShadingMesh, all: Grids, grids: readonly Grid[]): BufferGeometry {
+function geometryOf(mesh: ShadingMesh, grids: readonly Grid[]): BufferGeometry {
   const position = new Float32Array(12 * grids.length);
   const corner = new Float32Array(8 * grids.length);
   const cells = new Int32Array(16 * grids.length);
   const index: number[] = [];
   grids.forEach((grid, k) => {
     const { first, stride, place, columns, rows, isTriangle } = grid;
-    outlineOf(all, grid).forEach((node, c) => {
+    grid.outline.forEach((node, c) => {
       position.set(mesh.nodePosition.subarray(3 * node, 3 * node + 3), 3 * (4 * k + c));
       corner.set([c === 1 || (c === 2 && !isTriangle) ? columns : 0, c >= 2 ? rows : 0], 2 * (4 * k + c));
     });

@@ -13,8 +13,8 @@ import { gridsOf } from "./grids";
 import { Picker } from "./picker";
 import { cameraAt, type ShadingMesh } from "./shading_mesh";
 import { kSurfaceFragment } from "./shaders";
-import { boundsOf, buildSurfaces, moves, place, surfaceMaterial, type Surface } from "./surfaces";
-import { byteTexture, rgbTexture } from "./texels";
+import { boundsOf, buildSurfaces, moves, place, SurfaceMaterials, type Surface } from "./surfaces";
+import { byteTexture, rgbTexture, uintTexture } from "./texels";
 import { SmoothEdges } from "./smooth_edges";
 import { kFilmicScale } from "./tone_curve";
 import { DataTexture as Texture, LinearFilter, NoColorSpace, Sphere } from "three";
@@ -69,7 +69,7 @@ class WebGlView implements LightingView {
   private readonly picker: Picker;
   private readonly marked: DataTexture;
   private readonly uniforms: Record<string, { value: unknown }>;
-  private readonly materials: readonly RawShaderMaterial[];
+  private readonly materials: SurfaceMaterials;
   private readonly lifetime = new Lifetime();
   private display: Display = kFirstDisplay;
   private terms: readonly Term[] = [];
@@ -89,9 +89,9 @@ class WebGlView implements LightingView {
     const grids = gridsOf(mesh);
     this.passes = new LightPasses(this.renderer, mesh, grids);
     this.marked = byteTexture(mesh.patchCount);
-    this.uniforms = this.makeUniforms();
-    this.materials = [false, true].map((isBack) => surfaceMaterial(kSurfaceFragment, this.uniforms, isBack));
-    this.surfaces = buildSurfaces(mesh, grids, (isBack) => this.materials[isBack ? 1 : 0]!);
+    this.uniforms = this.makeUniforms(grids.units);
+    this.materials = new SurfaceMaterials(kSurfaceFragment, this.uniforms);
+    this.surfaces = buildSurfaces(mesh, grids.grids, this.materials);
     place(mesh, this.surfaces, 0);
     this.bounds = boundsOf(this.surfaces);
     this.tintMovingSurfaces();
@@ -171,15 +171,15 @@ class WebGlView implements LightingView {
     this.passes.dispose();
     this.marks.dispose();
     for (const { mesh: surface } of this.surfaces) surface.geometry.dispose();
-    for (const material of this.materials) material.dispose();
+    this.materials.dispose();
     for (const { value } of Object.values(this.uniforms)) if (value instanceof Texture) value.dispose();
     this.renderer.dispose();
   }
 
-  private makeUniforms(): Record<string, { value: unknown }> {
+  private makeUniforms(units: Uint32Array): Record<string, { value: unknown }> {
     const reflectance = rgbTexture(this.mesh.patchReflectance, (patch) => this.mesh.materialEmits[this.mesh.patchMaterial[patch]!]!);
     return {
-      patches: { value: null }, nodeValues: { value: null },
+      patches: { value: null }, nodeValues: { value: null }, units: { value: uintTexture(units, 2) },
       palette: { value: paletteTexture() }, reflectance: { value: reflectance }, marked: { value: this.marked },
       scale: { value: new Vector4(0, 1, 0, 0) },
       exposure: { value: this.mesh.autoExposure / Math.PI }, filmicScale: { value: kFilmicScale },
@@ -188,7 +188,7 @@ class WebGlView implements LightingView {
 
   /** Shaders of another variant; those that were used before are still there. */
   private define(changes: Record<string, number | boolean>): void {
-    for (const material of this.materials) {
+    for (const material of this.materials.all) {
       const now = { ...material.defines, ...changes };
       if (JSON.stringify(now) === JSON.stringify(material.defines)) continue;
       material.defines = now;
