@@ -6,7 +6,7 @@ uplighter, whose light comes from the ceiling only.
 As large as the third scene of Besuievsky and Pueyo, "A Monte Carlo Method for Accelerating the Computation of Animated
 Radiosity Sequences": about 4,200 polygons of which 500 move, 120 frames. Metres, z up.
 
-usage: make_scene.py [FOLDER]    writes scene.obj, office.mtl and animation.json
+usage: make_scene.py [FOLDER]    writes scene.obj, office.mtl, animation.json and animation_light_groups.json
 """
 
 import pathlib
@@ -118,12 +118,15 @@ def check_counts(counts):
     assert MOVING_POLYGONS[0] <= moving <= MOVING_POLYGONS[1], (moving, counts)
 
 
-def animation():
+LIGHT_GROUPS = {"ceiling": ["lamp"], "private_office": ["lamp_private"], "uplighter": ["lamp_up"]}
+
+
+def animation(title, **lighting):
     materials = {name: {"sides": "both" if name == "leaf" else "front"} for name in sorted(REFLECTANCE)}
     for name, exitance in LAMPS.items():
         materials[name]["exitance_w_m2"] = list(exitance)
     return json_text({
-        "name": "office",
+        "name": title,
         "frames": {"count": motion.FRAMES, "fps": 24},
         "metres_per_unit": 1,
         "up": "z",
@@ -133,9 +136,15 @@ def animation():
             "main": {"position": [0.45, 8.55, 2.3], "target": [6.4, 3.7, 0.85], "vertical_fov_degrees": 58},
             "door": {"position": [5.2, 5.3, 1.7], "target": [9.3, 3.6, 1.0], "vertical_fov_degrees": 60},
         },
-        "lighting": {"preset": "standard", "mode": "default", "patch_edge_m": 0.144},
+        "lighting": {"preset": "standard", "mode": "default", "patch_edge_m": 0.144, **lighting},
         "images": [{"camera": "main", "width": 640, "height": 360, "formats": ["png"]}],
     }) + "\n"
 
 
-write(__file__, {"scene.obj": office(), "office.mtl": mtl(REFLECTANCE, LAMPS), "animation.json": animation()})
+write(__file__, {
+    "scene.obj": office(),
+    "office.mtl": mtl(REFLECTANCE, LAMPS),
+    "animation.json": animation("office"),
+    # The lights kept apart, so that they can be dimmed and coloured afterwards; noise differs, light does not.
+    "animation_light_groups.json": animation("office, light groups", light_groups=LIGHT_GROUPS),
+})

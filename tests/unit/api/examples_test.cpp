@@ -114,6 +114,20 @@ TEST(GarageExample, TheOtherJobOnlySwitchesTheMiddleLampOff) {
   EXPECT_EQ(on->scene, off->scene);
 }
 
+TEST(OfficeExample, TheOtherJobOnlyKeepsTheLightsApart) {
+  const auto together = parse_job_request(read_file(kExamples / "office/animation.json"));
+  auto apart = parse_job_request(read_file(kExamples / "office/animation_light_groups.json"));
+  ASSERT_TRUE(together && apart);
+  std::set<std::string> named, emitting;
+  for (const auto& [group, lights] : apart->lighting.light_groups) named.insert(lights.begin(), lights.end());
+  for (const auto& [name, material] : apart->scene.materials)
+    if (!material.exitance_w_m2.keys.empty()) emitting.insert(name);
+  EXPECT_EQ(named, emitting);
+  apart->lighting.light_groups.clear();
+  apart->name = together->name;
+  EXPECT_EQ(*together, *apart);
+}
+
 TEST(CornellBoxExample, MovesTheShortBlockOnly) {
   const auto request = parse_job_request(read_file(kExamples / "cornell_box/animation.json"));
   ASSERT_TRUE(request) << request.error().message;
