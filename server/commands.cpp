@@ -1,6 +1,7 @@
 #include "server/commands.h"
 
 #include <array>
+#include <cstdlib>
 #include <iostream>
 
 namespace server {
@@ -48,6 +49,8 @@ api::Result<CommandWords> take_apart(std::span<const std::string_view> words,
     if (equals == word.npos && i + 1 == words.size()) return wrong(name + ": a value is missing");
     found.options[name] = equals == word.npos ? std::string(words[++i]) : word.substr(equals + 1);
   }
+  const char* const data = std::getenv("KEYLUME_DATA");
+  if (!found.has("--data") && data && *data) found.options["--data"] = data;
   if (!found.has("--data")) return wrong("--data DIR is missing: the data folder of the service");
   return found;
 }

@@ -30,7 +30,7 @@ struct CommandWords {
 };
 
 /// `with_value`, `flags`: the options that the command knows, with their dashes. --data DIR is always known,
-/// and must be given. Errors: invalid_request naming the word.
+/// and must be given, if not by KEYLUME_DATA. Errors: invalid_request naming the word.
 api::Result<CommandWords> take_apart(std::span<const std::string_view> words,
                                      const std::set<std::string_view>& with_value,
                                      const std::set<std::string_view>& flags);
@@ -49,5 +49,7 @@ int run_restore_command(std::span<const std::string_view> words);
 int run_check_command(std::span<const std::string_view> words);
 int run_gc_command(std::span<const std::string_view> words);
 int run_migrate_command(std::span<const std::string_view> words);
+/// `words` have been through with_settings.
+int run_health_command(std::span<const std::string_view> words);
 
 }  // namespace server

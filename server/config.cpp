@@ -58,12 +58,15 @@ api::Status take_log_format(std::string_view text, Config& config) {
   return api::Done{};
 }
 
-/// A name without a port, as browsers send it: "render.example.org".
-api::Status take_public_host(std::string_view text, Config& config) {
-  const bool fine = !text.empty() && text.size() <= 253 && std::all_of(text.begin(), text.end(), [](char c) {
+bool is_name_of_machine(std::string_view text) {
+  return !text.empty() && text.size() <= 253 && std::all_of(text.begin(), text.end(), [](char c) {
     return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '-';
   });
-  if (!fine)
+}
+
+/// A name without a port, as browsers send it: "render.example.org".
+api::Status take_public_host(std::string_view text, Config& config) {
+  if (!is_name_of_machine(text))
     return wrong("--public-host: '" + std::string(text) + "' is not the name of a host, without a port");
   config.public_hosts.emplace_back(text);
   return api::Done{};
@@ -117,7 +120,11 @@ api::Status take_proxy(std::string_view text, Config& config) {
       config.proxies.emplace_back(::inet_ntop(family, bytes.data(), shown.data(), shown.size()));
       return api::Done{};
     }
-  return wrong("--proxy: '" + given + "' is not the address of a machine, such as 127.0.0.1");
+  // What ends in a digit is meant as an address, and no name does.
+  if (!is_name_of_machine(text) || (text.back() >= '0' && text.back() <= '9'))
+    return wrong("--proxy: '" + given + "' is neither the address nor the name of a machine");
+  config.proxies.push_back(given);
+  return api::Done{};
 }
 
 const NumberOption* number_named(std::string_view name) {
@@ -130,6 +137,7 @@ api::Status take_option(std::string_view name, std::string_view value, Config& c
   if (name == "--data") config.data = value;
   if (name == "--worker") config.worker = value;
   if (name == "--dashboard") config.dashboard = value;
+  if (name == "--token-file") config.token_file = value;
   if (name == "--listen") return take_listen(value, config);
   if (name == "--ops-listen") return take_ops_listen(value, config);
   if (name == "--public-host") return take_public_host(value, config);
@@ -143,6 +151,32 @@ api::Status take_option(std::string_view name, std::string_view value, Config& c
                  " to " + std::to_string(number->most));
   number->set(config, given);
   return api::Done{};
+}
+
+constexpr std::array kOthers{OptionName{"--dashboard"},
+                             OptionName{"--data"},
+                             OptionName{"--listen"},
+                             OptionName{"--log"},
+                             OptionName{"--ops-listen"},
+                             OptionName{"--token-file"},
+                             OptionName{"--worker"},
+                             OptionName{"--proxy", OptionKind::list},
+                             OptionName{"--public-host", OptionKind::list},
+                             OptionName{"--evict", OptionKind::flag},
+                             OptionName{"--insecure-public", OptionKind::flag},
+                             OptionName{"--ops-open", OptionKind::flag}};
+
+bool takes_value(std::string_view name) {
+  const auto* found = std::find_if(kOthers.begin(), kOthers.end(),
+                                   [&](const OptionName& option) { return option.name == name; });
+  return found == kOthers.end() ? number_named(name) != nullptr : found->kind != OptionKind::flag;
+}
+
+/// What a flag switches; none: `word` is no flag.
+bool* flag_named(std::string_view word, Config& config) {
+  if (word == "--evict") return &config.evict;
+  if (word == "--insecure-public") return &config.insecure_public;
+  return word == "--ops-open" ? &config.ops_open : nullptr;
 }
 
 bool is_program(const std::filesystem::path& path) {
@@ -206,28 +240,48 @@ bool is_loopback(std::string_view host) {
   return host == "localhost" || host == "::1";
 }
 
-api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words) {
-  constexpr std::array<std::string_view, 8> kWithText{"--dashboard",  "--data",  "--listen",      "--log",
-                                                      "--ops-listen", "--proxy", "--public-host", "--worker"};
+bool asks_for_tokens(const Config& config) {
+  const bool ops_is_public =
+      config.ops && !config.ops->host.empty() && !config.ops_open && !is_loopback(config.ops->host);
+  return !config.insecure_public && (ops_is_public || !is_loopback(config.host));
+}
+
+std::span<const OptionName> option_names() {
+  static const std::vector<OptionName> all = [] {
+    std::vector<OptionName> names(kOthers.begin(), kOthers.end());
+    for (const NumberOption& number : kNumbers) names.push_back({number.name});
+    return names;
+  }();
+  return all;
+}
+
+api::Result<Config> parse_options(std::span<const std::string_view> words) {
   Config config;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
-    if (word == "--help" || word == "-h") return CommandLine(ShowHelp{});
-    if (word == "--version") return CommandLine(ShowVersion{});
-    if (word == "--insecure-public" || word == "--evict") {
-      (word == "--evict" ? config.evict : config.insecure_public) = true;
+    if (bool* const flag = flag_named(word, config)) {
+      *flag = true;
       continue;
     }
     const std::size_t equals = word.find('=');
     const std::string_view name = word.substr(0, equals);
-    if (!number_named(name) && std::find(kWithText.begin(), kWithText.end(), name) == kWithText.end())
-      return wrong(std::string("'").append(word).append("' is not an option"));
+    if (!takes_value(name)) return wrong(std::string("'").append(word).append("' is not an option"));
     if (equals == word.npos && i + 1 == words.size())
       return wrong(std::string(name) + ": a value is missing");
     const std::string_view value = equals == word.npos ? words[++i] : word.substr(equals + 1);
     if (const api::Status taken = take_option(name, value, config); !taken) return taken.error();
   }
-  return complete(std::move(config));
+  return config;
+}
+
+api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words) {
+  for (const std::string_view word : words) {
+    if (word == "--help" || word == "-h") return CommandLine(ShowHelp{});
+    if (word == "--version") return CommandLine(ShowVersion{});
+  }
+  auto config = parse_options(words);
+  if (!config) return config.error();
+  return complete(std::move(*config));
 }
 
 std::string help_text() {
@@ -268,14 +322,22 @@ usage: keylume-server --data DIR [options]
   --public-host NAME      a name by which browsers may ask for the service, without a port; may be given several
                           times. Others are refused, but for localhost and, where other machines can reach HOST,
                           any address in numbers
-  --proxy ADDRESS         a proxy in front of the service, whose X-Forwarded-For and X-Forwarded-Proto are
-                          believed; may be given several times
+  --proxy ADDRESS         a proxy in front of the service, by address or name, whose X-Forwarded-For and
+                          X-Forwarded-Proto are believed; may be given several times
   --log text|json         how lines on standard error look; default: text on a terminal, else json
   --insecure-public       allow a HOST that other machines can reach without a token, because something else keeps
                           strangers out
+  --ops-open              the second listener asks nobody for a token, wherever it listens: for a network that only
+                          those who watch the service reach
+  --token-file FILE       where other machines can reach HOST and there has never been a token: take the one in FILE,
+                          or make one, put it there and print it, once. Its name is operator, its scopes are all
+  --config FILE           more options, a line each: max-upload-bytes = 1000000; # begins a comment
   --help, --version
 
-other commands, each with --data DIR:
+Every option is also a variable of the environment: KEYLUME_MAX_UPLOAD_BYTES=1000000; flags are true or false, several
+names are separated by commas. The command line comes before the environment, that before the file.
+
+other commands, each but health with --data DIR or KEYLUME_DATA:
   token create NAME [--scopes LIST] [--expires-days N] [--out FILE] [--if-none] [--again]
                           make a token and print it, once; LIST: jobs:read,jobs:write,queue:admin,metrics:read
                           (default jobs:read,jobs:write). From the first one on the service asks for tokens. Jobs
@@ -289,6 +351,7 @@ other commands, each with --data DIR:
   check                   is the database whole, and every file as it was made? Also while a server runs
   gc                      remove what a crash left and jobs whose time is over; a running server does so by itself
   migrate                 bring the database to this version's schema; the server does so when it starts
+  health                  does the server answer that has these options or this environment? Exit code 0: it does
 
 GET /openapi.json describes every request. SIGTERM stops the service within 10 s: no new connections, short
 requests end, running jobs leave a checkpoint and stay queued; a second SIGTERM ends it at once.

@@ -12,6 +12,7 @@
 
 #include "api/result.h"
 #include "server/log.h"
+#include "server/settings.h"
 
 namespace server {
 
@@ -44,8 +45,10 @@ struct Config {
   bool evict = false;  ///< remove what nobody has used for longest rather than be over stored_bytes_max
   std::vector<std::string> public_hosts;  ///< names that a Host header may have
   std::vector<std::string> proxies;       ///< addresses whose X-Forwarded-* headers are believed
+  std::filesystem::path token_file;       ///< of the first token, see make_first_token; empty: none is made
   LogFormat log_format = LogFormat::automatic;
   bool insecure_public = false;  ///< listen beyond this machine although anybody may then use the service
+  bool ops_open = false;         ///< `ops` asks nobody for a token, wherever it listens
 };
 
 struct ShowHelp {};
@@ -56,6 +59,17 @@ using CommandLine = std::variant<Config, ShowHelp, ShowVersion>;
 /// `words` are argv without the program's name. Options are `--name value` or `--name=value`.
 /// Errors: invalid_request; the message names the word that is wrong.
 api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words);
+
+/// All options, for with_settings.
+std::span<const OptionName> option_names();
+
+/// The options alone: what is not given is as in an empty Config, and nothing is looked up.
+/// Errors: as of parse_command_line.
+api::Result<Config> parse_options(std::span<const std::string_view> words);
+
+/// Can others than this machine reach the service, or what the second listener tells, so that tokens are
+/// asked for from the start?
+bool asks_for_tokens(const Config& config);
 
 /// Requests per second of one token or address: as told, or none where `host` is loopback and 50 elsewhere.
 double rate_limit(const Config& config, std::string_view host);

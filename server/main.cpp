@@ -16,6 +16,7 @@
 #include "server/commands.h"
 #include "server/config.h"
 #include "server/events/event_hub.h"
+#include "server/first_token.h"
 #include "server/http/dashboard_routes.h"
 #include "server/http/http_server.h"
 #include "server/http/ops_routes.h"
@@ -142,6 +143,9 @@ int run(const Config& config) {
   const sigset_t signals = block_stop_signals();
   set_log_format(config.log_format);
   TokenFolder tokens(config.data);
+  if (const api::Status made = make_first_token(config, tokens); !made)
+    return refuse_command(made.error(),
+                          made.error().fault == api::Fault::invalid_request ? kExitUsage : kExitFailed);
   if (const api::Status told = check_who_may_enter(config, tokens); !told)
     return refuse_command(told.error(), kExitUsage);
   const auto folder = DataFolder::open(config.data);
@@ -219,17 +223,25 @@ int run(const Config& config) {
   return serve({http, ops_http->get(), jobs, hub, supervisor}, signals);
 }
 
+int refuse_usage(const api::Error& error) {
+  std::cerr << "keylume-server: " << error.message << "\ntry keylume-server --help\n";
+  return kExitUsage;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   server::hold_standard_descriptors();
-  const std::vector<std::string_view> words(argv + (argc > 0 ? 1 : 0), argv + argc);
-  if (const auto exit_code = server::run_command(words)) return *exit_code;
-  const auto command = server::parse_command_line(words);
-  if (!command) {
-    std::cerr << "keylume-server: " << command.error().message << "\ntry keylume-server --help\n";
-    return server::kExitUsage;
-  }
+  std::vector<std::string_view> given(argv + (argc > 0 ? 1 : 0), argv + argc);
+  if (const auto exit_code = server::run_command(given)) return *exit_code;
+  const bool health = !given.empty() && given.front() == "health";
+  if (health) given.erase(given.begin());
+  const auto words = server::with_settings(given, server::own_environment(), server::option_names());
+  if (!words) return refuse_usage(words.error());
+  const std::vector<std::string_view> all(words->begin(), words->end());
+  if (health) return server::run_health_command(all);
+  const auto command = server::parse_command_line(all);
+  if (!command) return refuse_usage(command.error());
   if (std::holds_alternative<server::ShowHelp>(*command)) {
     std::cout << server::help_text();
     return 0;

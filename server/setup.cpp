@@ -90,7 +90,7 @@ GateRules ops_gate_rules(const Config& config, const Address& ops) {
   GateRules rules;
   rules.hosts = {is_loopback(ops.host), config.public_hosts};
   rules.tokens_required = !rules.hosts.this_machine_only && !config.insecure_public;
-  rules.never_asks = rules.hosts.this_machine_only;
+  rules.never_asks = rules.hosts.this_machine_only || config.ops_open;
   rules.rate = rate_rules(config, ops.host);
   return rules;
 }
@@ -114,8 +114,7 @@ api::Status start_worker_once(const std::filesystem::path& program) {
 }
 
 api::Status check_who_may_enter(const Config& config, const TokenFolder& tokens) {
-  const bool ops_is_public = config.ops && !config.ops->host.empty() && !is_loopback(config.ops->host);
-  if ((is_loopback(config.host) && !ops_is_public) || config.insecure_public) return api::Done{};
+  if (!asks_for_tokens(config)) return api::Done{};
   const auto known = tokens.list();
   if (!known) return known.error();
   const std::int64_t now = system_clock_ms();

@@ -105,7 +105,11 @@ std::string login_cookie(std::string_view session, bool over_tls, std::int64_t s
 }
 
 Gate::Gate(TokenFolder& tokens, GateRules rules, Clock clock)
-    : tokens_(tokens), rules_(std::move(rules)), clock_(std::move(clock)), limiter_(rules_.rate) {}
+    : tokens_(tokens),
+      rules_(std::move(rules)),
+      clock_(std::move(clock)),
+      proxies_(rules_.proxies),
+      limiter_(rules_.rate) {}
 
 bool Gate::asks_for_tokens() {
   if (rules_.never_asks) return false;
@@ -113,10 +117,6 @@ bool Gate::asks_for_tokens() {
   // From the first token on; revoking the last one must not open the door again.
   if (tokens_.exists()) tokens_seen_ = true;
   return tokens_seen_;
-}
-
-bool Gate::from_proxy(const HttpRequest& request) const {
-  return std::find(rules_.proxies.begin(), rules_.proxies.end(), request.address) != rules_.proxies.end();
 }
 
 std::optional<HttpAnswer> Gate::refuse_too_often(
@@ -144,7 +144,7 @@ std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
                                        std::vector<std::pair<std::string, std::string>>& more_headers) {
   if (auto stranger = refuse_stranger(request, rules_.hosts)) return stranger;
   request.over_tls = false;
-  if (from_proxy(request)) {
+  if (proxies_.has(request.address)) {
     request.over_tls = request.header("X-Forwarded-Proto") == "https";
     // The last entry is the proxy's own word; those before it came from the client.
     if (const auto forwarded = request.header("X-Forwarded-For"))

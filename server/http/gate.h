@@ -13,6 +13,7 @@
 #include "server/auth/token_folder.h"
 #include "server/http/message.h"
 #include "server/http/origin.h"
+#include "server/http/proxy_list.h"
 #include "server/http/router.h"
 
 namespace server {
@@ -21,7 +22,7 @@ struct GateRules {
   HostRules hosts;                   ///< see refuse_stranger
   bool tokens_required = false;      ///< also before there has ever been one
   bool never_asks = false;           ///< whoever gets here may do what is here
-  std::vector<std::string> proxies;  ///< addresses whose X-Forwarded-* headers are believed
+  std::vector<std::string> proxies;  ///< see ProxyList; their X-Forwarded-* headers are believed
   RateRules rate;
 };
 
@@ -41,13 +42,13 @@ class Gate {
 
  private:
   bool asks_for_tokens();
-  bool from_proxy(const HttpRequest& request) const;
   std::optional<HttpAnswer> refuse_too_often(const HttpRequest& request, std::string_view who,
                                              std::vector<std::pair<std::string, std::string>>& more_headers);
 
   TokenFolder& tokens_;
   const GateRules rules_;
   const Clock clock_;
+  ProxyList proxies_;
   RateLimiter limiter_;
   std::atomic<bool> tokens_seen_ = false;
 };

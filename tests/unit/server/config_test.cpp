@@ -50,6 +50,8 @@ TEST(CommandLine, LimitsHowOftenStrangersMayAsk) {
   const auto proxies = parse_also({"--proxy", "10.0.0.1", "--proxy=2001:0DB8::0:1"});
   EXPECT_EQ(std::get<Config>(*proxies).proxies, (std::vector<std::string>{"10.0.0.1", "2001:db8::1"}))
       << "as the system writes them";
+  EXPECT_EQ(std::get<Config>(*parse_also({"--proxy=front-1.example.org"})).proxies,
+            (std::vector<std::string>{"front-1.example.org"}));
 }
 
 TEST(CommandLine, NamesTheWordThatIsWrong) {
@@ -65,7 +67,8 @@ TEST(CommandLine, NamesTheWordThatIsWrong) {
       {{"--data", "d", "--worker", "/bin/sh", "--listen", "127.0.0.1:70000"}, "70000"},
       {{"--data", "d", "--worker", "/bin/sh", "--worker-threads", "0"}, "--worker-threads"},
       {{"--data", "d", "--worker", "/bin/sh", "--max-upload-bytes", "-1"}, "--max-upload-bytes"},
-      {{"--data", "d", "--worker", "/bin/sh", "--proxy", "localhost"}, "localhost"},
+      {{"--data", "d", "--worker", "/bin/sh", "--proxy", "127.0.0.1:80"}, "127.0.0.1:80"},
+      {{"--data", "d", "--worker", "/bin/sh", "--proxy", "10.0.0.256"}, "10.0.0.256"},
   };
   for (const auto& [words, word] : cases) {
     const auto parsed = parse(words);
