@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdlib>
 #include <optional>
 #include <system_error>
+
+#include "server/text.h"
 
 namespace server {
 namespace {
@@ -17,18 +18,18 @@ api::Error wrong(std::string message) {
   return {api::Fault::invalid_request, std::move(message)};
 }
 
-template <class Number>
-bool take_number(std::string_view text, Number least, Number most, Number& value) {
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  return parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() && value >= least &&
-         value <= most;
+std::optional<std::int64_t> number_within(std::string_view text, std::int64_t least, std::int64_t most) {
+  const auto value = whole_number(text);
+  return value && *value >= least && *value <= most ? value : std::nullopt;
 }
 
 api::Result<Address> parse_address(std::string_view option, std::string_view text) {
   Address address;
   const std::size_t colon = text.rfind(':');
-  if (colon == text.npos || colon == 0 || !take_number(text.substr(colon + 1), 0, 65535, address.port))
+  const auto port = colon == text.npos ? std::nullopt : number_within(text.substr(colon + 1), 0, 65535);
+  if (!port || colon == 0)
     return wrong(std::string(option) + ": '" + std::string(text) + "' is not HOST:PORT");
+  address.port = static_cast<int>(*port);
   std::string_view host = text.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   address.host = host;
@@ -145,11 +146,11 @@ api::Status take_option(std::string_view name, std::string_view value, Config& c
   if (name == "--proxy") return take_proxy(value, config);
   const NumberOption* number = number_named(name);
   if (!number) return api::Done{};
-  std::int64_t given = 0;
-  if (!take_number(value, number->least, number->most, given))
+  const auto given = number_within(value, number->least, number->most);
+  if (!given)
     return wrong(std::string(name) + ": must be a whole number from " + std::to_string(number->least) +
                  " to " + std::to_string(number->most));
-  number->set(config, given);
+  number->set(config, *given);
   return api::Done{};
 }
 

@@ -10,10 +10,10 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <mutex>
 
 #include "api/json/json_text.h"
+#include "server/text.h"
 
 namespace server {
 namespace {
@@ -24,14 +24,7 @@ std::atomic<std::uint64_t> lost = 0;
 
 std::string now_text() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  const auto seconds = static_cast<std::time_t>(ms / 1000);
-  std::tm parts{};
-  ::gmtime_r(&seconds, &parts);
-  std::array<char, 40> text{};
-  const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
-  std::snprintf(text.data() + size, text.size() - size, ".%03dZ", static_cast<int>(ms % 1000));
-  return text.data();
+  return utc_text(std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
 }
 
 std::string json_line(std::string_view message, std::initializer_list<LogField> fields) {

@@ -1,7 +1,4 @@
 // keylume-server token create|list|revoke
-#include <array>
-#include <charconv>
-#include <ctime>
 #include <fstream>
 #include <iostream>
 
@@ -9,6 +6,7 @@
 #include "server/auth/token_text.h"
 #include "server/commands.h"
 #include "server/store/job_store.h"
+#include "server/text.h"
 
 namespace server {
 namespace {
@@ -21,20 +19,15 @@ api::Error wrong(std::string message) {
 }
 
 std::string day_of(std::int64_t time_ms) {
-  const auto seconds = static_cast<std::time_t>(time_ms / 1000);
-  std::tm parts{};
-  ::gmtime_r(&seconds, &parts);
-  std::array<char, 20> text{};
-  (void)std::strftime(text.data(), text.size(), "%Y-%m-%d", &parts);
-  return text.data();
+  constexpr std::size_t kDayBytes = 10;
+  return utc_text(time_ms).substr(0, kDayBytes);
 }
 
 api::Result<std::optional<std::int64_t>> expiry_of(const CommandWords& words, std::int64_t now_ms) {
   const auto text = words.option("--expires-days");
   if (!text) return std::optional<std::int64_t>();
-  std::int64_t days = 0;
-  const auto parsed = std::from_chars(text->data(), text->data() + text->size(), days);
-  if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size() || days < 1 || days > kDaysMax)
+  const std::int64_t days = whole_number(*text).value_or(0);
+  if (days < 1 || days > kDaysMax)
     return wrong("--expires-days: must be a whole number from 1 to " + std::to_string(kDaysMax));
   return std::optional(now_ms + days * kDayMs);
 }

@@ -2,9 +2,11 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
-#include <charconv>
 #include <string_view>
+
+#include "server/text.h"
 
 namespace server {
 namespace {
@@ -27,10 +29,9 @@ api::Error not_radiosity(std::string_view why) {
 
 /// The number at the front of `text`, which is advanced past it and past the ", " behind it; -1: none.
 std::int64_t take_number(std::string_view& text) {
-  std::int64_t value = -1;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (parsed.ec != std::errc()) return -1;
-  text.remove_prefix(static_cast<std::size_t>(parsed.ptr - text.data()));
+  const std::size_t end = std::min(text.find_first_not_of("0123456789"), text.size());
+  const std::int64_t value = whole_number(text.substr(0, end)).value_or(-1);
+  text.remove_prefix(end);
   while (text.starts_with(',') || text.starts_with(' ')) text.remove_prefix(1);
   return value;
 }

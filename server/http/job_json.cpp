@@ -4,10 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
-#include <ctime>
 
 #include "api/job_report.h"
 #include "api/json/json_text.h"
+#include "server/text.h"
 
 namespace server {
 namespace {
@@ -239,16 +239,6 @@ std::string image_path(std::string_view camera, std::uint32_t frame, std::string
   std::array<char, 16> digits{};
   std::snprintf(digits.data(), digits.size(), "%04u", frame);
   return std::string(kImages) + std::string(camera) + "/" + digits.data() + "." + std::string(extension);
-}
-
-std::string utc_text(std::int64_t time_ms) {
-  const std::time_t seconds = static_cast<std::time_t>(time_ms / 1000);
-  std::tm parts{};
-  ::gmtime_r(&seconds, &parts);
-  std::array<char, 40> text{};
-  const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
-  std::snprintf(text.data() + size, text.size() - size, ".%03dZ", static_cast<int>(time_ms % 1000));
-  return text.data();
 }
 
 }  // namespace server

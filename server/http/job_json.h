@@ -55,7 +55,4 @@ std::string frames_json(const Job& job, const std::vector<api::FrameRecord>& fra
 /// The path of an image among the artefacts: images/front/0007.png. `extension` without a dot.
 std::string image_path(std::string_view camera, std::uint32_t frame, std::string_view extension);
 
-/// "2026-11-22T08:15:30.123Z" (RFC 3339).
-std::string utc_text(std::int64_t time_ms);
-
 }  // namespace server

@@ -1,20 +1,10 @@
 #include "server/http/parameters.h"
 
 #include <algorithm>
-#include <charconv>
-#include <system_error>
 
 #include "server/http/field_text.h"
 
 namespace server {
-
-std::optional<std::int64_t> whole_number(std::string_view text) {
-  std::int64_t value = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-    return std::nullopt;
-  return value;
-}
 
 std::string percent_encoded(std::string_view text) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";

@@ -6,10 +6,9 @@
 #include <string>
 #include <string_view>
 
-namespace server {
+#include "server/text.h"
 
-/// Digits only, with a sign at most; none where there is anything else or too much of it.
-std::optional<std::int64_t> whole_number(std::string_view text);
+namespace server {
 
 /// For a query: all but letters, digits, '-', '.', '_' and '~' as %XX.
 std::string percent_encoded(std::string_view text);
