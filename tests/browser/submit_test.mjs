@@ -1,6 +1,6 @@
 // From files on a desk to a value on a patch, as a new user goes.
 import assert from "node:assert/strict";
-import { before, test } from "node:test";
+import { test } from "node:test";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { drop, untilLit } from "./support/browser.mjs";
@@ -14,10 +14,8 @@ const kLit = [0.12, 0.85];
 const kRefused = /status of 422 .*\/v1\/validate/;
 const kToleranceOfValues = 1e-3;
 
-const given = suite();
 let watched, page, id;
-
-before(async () => {
+const given = suite(async () => {
   watched = await given.open("/new", { expected: kRefused });
   page = watched.page;
 });

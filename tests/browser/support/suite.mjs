@@ -3,8 +3,8 @@ import { after, before } from "node:test";
 import { Watched, launch } from "./browser.mjs";
 import { Service } from "./service.mjs";
 
-/** `prepare(service)`: more for all tests, by name. -> { service, browser, open(path, options), ... }, there once a test runs */
-export function suite(prepare = async () => ({})) {
+/** `prepare(service)`: more for all tests, by name; the browser is there by then. -> { service, browser, open(path, options), ... }, there once a test runs */
+export function suite(prepare = async () => {}) {
   const given = { open: (path, options) => Watched.open(given.browser, given.service, path, options) };
   before(async () => {
     given.service = await new Service().start();
