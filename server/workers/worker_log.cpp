@@ -12,25 +12,47 @@ namespace {
 constexpr std::size_t kTailBytes = 600;
 constexpr int kPiecesAtOnce = 64;  // a flood must not keep us from watching
 
+/// "/data/jobs/job_1/input/scene.obj" -> "input/scene.obj", the folder itself -> "."
+std::string without_folder(std::string_view text, std::string_view folder) {
+  std::string changed;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t found = text.find(folder, at);
+    changed += text.substr(at, found - at);
+    if (found == text.npos) break;
+    at = found + folder.size();
+    if (at < text.size() && text[at] == '/')
+      ++at;
+    else
+      changed += '.';
+  }
+  return changed;
+}
+
 }  // namespace
 
 WorkerLog::WorkerLog(const std::filesystem::path& job_folder, std::string_view title)
-    // O_NONBLOCK: a pipe that a worker put in its place must not hang us.
-    : file_(::open((job_folder / "worker.log").c_str(),
+    : folder_(job_folder.string()),
+      // O_NONBLOCK: a pipe that a worker put in its place must not hang us.
+      file_(::open((job_folder / "worker.log").c_str(),
                    O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600)) {
   if (file_) (void)write_all(file_, "--- " + std::string(title) + "\n");
 }
 
 bool WorkerLog::take_from(const FileHandle& output) {
   std::array<char, 4096> piece{};
+  std::string taken;  // at once: a path must not be in two pieces
+  bool open = true;
   for (int i = 0; i < kPiecesAtOnce; ++i) {
     const ssize_t count = ::read(output.get(), piece.data(), piece.size());
-    if (count == 0) return false;
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return errno == EAGAIN;
-    add({piece.data(), static_cast<std::size_t>(count)});
+    if (count <= 0) {
+      open = count < 0 && errno == EAGAIN;
+      break;
+    }
+    taken.append(piece.data(), static_cast<std::size_t>(count));
   }
-  return true;
+  if (!taken.empty()) add(without_folder(taken, folder_));
+  return open;
 }
 
 void WorkerLog::add(std::string_view text) {

@@ -11,6 +11,7 @@
 namespace server {
 
 /// Appends to worker.log in the job folder, at most kAttemptBytesMax per attempt, and remembers the end.
+/// Where that folder lies is nobody's business who reads it: paths in there are told from there.
 class WorkerLog {
  public:
   static constexpr std::int64_t kAttemptBytesMax = 1 << 20;
@@ -18,7 +19,7 @@ class WorkerLog {
   /// Begins with a line that names what follows. A log that cannot be written is no reason to stop a job.
   WorkerLog(const std::filesystem::path& job_folder, std::string_view title);
 
-  /// Takes what `output` holds now, without waiting; false at its end.
+  /// Takes what `output` holds now, or a good part of it, without waiting; false at its end.
   bool take_from(const FileHandle& output);
 
   /// Last bytes written, from the start of a line where possible, without the newline at the end.
@@ -27,6 +28,7 @@ class WorkerLog {
  private:
   void add(std::string_view text);
 
+  std::string folder_;
   FileHandle file_;
   std::int64_t written_ = 0;
   bool cut_ = false;

@@ -1,7 +1,9 @@
 // The supervisor with real processes: a worker that crashes, hangs, floods and lies.
+#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <thread>
 
@@ -106,6 +108,27 @@ TEST_F(WorkersTest, AFloodOnStandardErrorIsCutAndHarmless) {
   EXPECT_EQ(done.state, JobState::succeeded) << done.message;
   const auto size = std::filesystem::file_size(jobs_->folder_of(done) / "worker.log");
   EXPECT_LT(size, WorkerLog::kAttemptBytesMax + 1000);
+}
+
+TEST(WorkerLogs, TellPathsFromTheFolderOfTheJob) {
+  const TemporaryFolder folder;
+  const std::filesystem::path job = folder.path() / "job_1";
+  std::filesystem::create_directory(job);
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe2(ends.data(), O_NONBLOCK | O_CLOEXEC), 0);
+  const FileHandle output(ends[0]);
+  FileHandle input(ends[1]);
+  WorkerLog log(job, "attempt 1");
+  ASSERT_TRUE(write_all(input, "cannot open '" + (job / "input/scene.obj").string() + "'\n" + job.string() +
+                                   ": no room, nor in /tmp\n"));
+  input = FileHandle();
+  while (log.take_from(output)) {
+  }
+  const std::string told = "cannot open 'input/scene.obj'\n.: no room, nor in /tmp";
+  EXPECT_EQ(log.tail(), told);
+  const auto kept = read_below(job, "worker.log", 1000);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(*kept, "--- attempt 1\n" + told + "\n");
 }
 
 TEST_F(WorkersTest, LinesThatAreNoProgressAreSkipped) {
