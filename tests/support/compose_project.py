@@ -10,7 +10,7 @@ from container import docker
 from service import FINAL_STATES, Service, free_port, wait_until
 
 COMPOSE = Path(__file__).resolve().parent.parent.parent / "docker/compose.yaml"
-TOKEN = re.compile(r"kl_[0-9A-Za-z_]+")
+TOKEN = re.compile(r"kl_[\w-]+")
 
 
 class ComposeProject(Service):
