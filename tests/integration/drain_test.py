@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""SIGTERM: no new connections, requests under way end, workers leave a checkpoint; a second one ends it at once."""
+"""SIGTERM: no new connections, requests under way end, clients that hang are not waited for, workers are told to stop and
+their jobs are taken up again at the next start; a second SIGTERM ends it at once."""
 import signal
 import socket
 import subprocess
@@ -31,7 +32,7 @@ class Drain(ServiceTestCase):
         except OSError:
             return True
 
-    def test_a_running_job_goes_on_from_where_it_was(self):
+    def test_a_running_job_is_taken_up_again_at_the_next_start(self):
         service = self.service()
         job_id = self.submitted(service, write_job(self.folder / "job", frames=16, line_count=3_000_000))
         service.wait_for(job_id, ["running"], 30)
