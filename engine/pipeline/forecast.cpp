@@ -10,6 +10,7 @@
 #include "engine/base/sobol.h"
 #include "engine/direct/light_sampling.h"
 #include "engine/lines/global_line.h"
+#include "engine/pipeline/light_directly.h"
 #include "engine/pipeline/light_indirectly.h"
 #include "engine/visibility/ray_scene.h"
 
@@ -189,6 +190,10 @@ JobSize size_of_job(const api::JobRequest& request, const Scene& scene, const An
         (pixels - one_frame) * traced * image.samples_per_pixel + one_frame * image.samples_per_pixel;
   }
   size.series = 1 + (lighting.standard_errors ? 1 : 0) + static_cast<double>(lighting.light_groups.size());
+  // The variance of each group's direct light, the scatter of the replicates, and what is made of it while
+  // both are there.
+  if (wants_errors(lighting))
+    size.error_series = 2 + std::max(1.0, static_cast<double>(lighting.light_groups.size()));
   return size;
 }
 

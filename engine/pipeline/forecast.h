@@ -29,6 +29,7 @@ struct JobSize {
   double pixels = 0;              ///< of all images in all frames
   double image_samples = 0;       ///< rays through them that are traced
   double series = 1;              ///< of radiosity that become artefacts: itself, its error, groups
+  double error_series = 0;        ///< held besides where errors are wanted
 };
 
 /// Seconds that this machine takes, on one core, for the units that the costs are told in.

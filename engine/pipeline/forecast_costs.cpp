@@ -111,11 +111,13 @@ double moving_bytes(const JobSize& n) {
   return per_facet * n.moving_facets * window(n) + 24 * local_lines(n, window(n));
 }
 double solve_bytes(const JobSize& n) {
-  return series_bytes(n.patches, n.frames) + 3 * series_bytes(n.patches, n.solved_frames) +
-         traced_bytes(n, n.lines / n.replicates) + moving_bytes(n);
+  return (1 + n.error_series) * series_bytes(n.patches, n.frames) +
+         3 * series_bytes(n.patches, n.solved_frames) + traced_bytes(n, n.lines / n.replicates) +
+         moving_bytes(n);
 }
 double compose_bytes(const JobSize& n) {
-  return (2 + n.series) * series_bytes(n.patches, n.frames) + series_bytes(n.patches, n.solved_frames);
+  return (2 + n.series + n.error_series) * series_bytes(n.patches, n.frames) +
+         series_bytes(n.patches, n.solved_frames);
 }
 
 }  // namespace
