@@ -78,15 +78,29 @@ def up(folder):
         print(f"ratio: image {target}: {size_mb(tag):.0f} MB, built in {times[target]:.0f} s")
 
 
+def down(folder):
+    """In an Engine that goes on afterwards, nothing of the tests but the image stays."""
+    known = folder / "environment.json"
+    if known.is_file():
+        os.environ.update(json.loads(known.read_text()))
+        for kind, remove in (("container", ["rm", "-f", "-v"]), ("volume", ["volume", "rm", "-f"])):
+            listed = subprocess.run(["docker", kind, "ls", "-q", *(["-a"] if kind == "container" else []), "--filter=label=keylume.test"],
+                                    capture_output=True, text=True, timeout=60).stdout.split()
+            if listed:
+                subprocess.run(["docker", *remove, *listed], capture_output=True, timeout=120)
+        known.unlink()
+    shutil.rmtree(folder / "context", ignore_errors=True)
+    return subprocess.run([ENGINE, "down", folder / "engine"], timeout=300).returncode
+
+
 def main(what, folder):
     folder = Path(folder).resolve()
+    if what == "down":
+        return down(folder)
     (folder / "environment.json").unlink(missing_ok=True)
-    if what == "up":
-        up(folder)
-    else:
-        shutil.rmtree(folder / "context", ignore_errors=True)
-        sys.exit(subprocess.run([ENGINE, "down", folder / "engine"], timeout=300).returncode)
+    up(folder)
+    return 0
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    sys.exit(main(*sys.argv[1:]))

@@ -14,6 +14,8 @@ USER = 10001
 CONFINED = ["--read-only", "--cap-drop=ALL", "--security-opt=no-new-privileges", "--pids-limit=512", "--tmpfs=/tmp:size=64m"]
 LABEL = "keylume.test"
 SERVICE_PORT, OPS_PORT = 8080, 8081
+# The image's own settings, which would stand in for words that a command line does not have.
+NOT_SET = [f"--env=KEYLUME_{name}=" for name in ("DATA", "LISTEN", "OPS_LISTEN", "TOKEN_FILE")]
 
 
 def docker(*words, timeout_s=60, checked=True):
@@ -110,7 +112,7 @@ def command_line(program, words, name=None):
         options, words = server_words(words)
     user = f"{USER}:{USER}" if os.getuid() == 0 else f"{os.getuid()}:{os.getgid()}"
     return ["docker", "run", "--rm", f"--label={LABEL}", *([f"--name={name}"] if name else []), f"--user={user}", *CONFINED,
-            *mounts_of(words), *options, f"--entrypoint={program}", IMAGE, *words]
+            *NOT_SET, *mounts_of(words), *options, f"--entrypoint={program}", IMAGE, *words]
 
 
 class ContainerProcess:
