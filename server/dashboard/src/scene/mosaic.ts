@@ -49,7 +49,8 @@ export function mosaicAt(mesh: ShadingMesh, first: number, end: number): Mosaic 
     const level = Math.round(Math.log2(width / unit));
     const tile = { patch: first + k, x: Math.round((x - left) / unit), y: Math.round((y - bottom) / unit), level };
     const size = 2 ** level;
-    const off = Math.max(Math.abs(width / unit - size), Math.abs(height / unit - size), Math.abs((x - left) / unit - tile.x), Math.abs((y - bottom) / unit - tile.y));
+    const misses = [width / unit - size, height / unit - size, (x - left) / unit - tile.x, (y - bottom) / unit - tile.y];
+    const off = Math.max(...misses.map(Math.abs));
     if (!(off <= kOff * size) || !(level <= kLevelMax) || tile.x % size !== 0 || tile.y % size !== 0) return null;
     tiles.push(tile);
   }

@@ -145,7 +145,7 @@ vec3 radiosity(Cell cell) {
   vec4 share = vec4((1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), (1.0 - at.x) * at.y, at.x * at.y);
   if (cell.triangle) share = vec4(max(1.0 - at.x - at.y, 0.0), at, 0.0);
   return share.x * node(cell.low) + share.y * node(cell.low + 1)
-       + share.z * node(cell.high) + share.w * node(cell.high + (cell.triangle ? 0 : 1));
+      + share.z * node(cell.high) + share.w * node(cell.high + (cell.triangle ? 0 : 1));
 #else
   return texelFetch(patches, texelOf(cell.patchId), 0).rgb;
 #endif
