@@ -12,7 +12,7 @@ path-exclude /usr/share/man/*
 CONF
   printf '%s\n' 'APT::Install-Recommends "true";' 'Acquire::Languages "none";' 'Acquire::GzipIndexes "true";' \
     'DPkg::Post-Invoke { "rm -f /var/cache/apt/archives/*.deb || true"; };' >"$1/etc/apt/apt.conf.d/docker"
-  find "$1/usr/share/doc" ! -type d ! -name copyright -delete
+  find "$1/usr/share/doc" -type f ! -name copyright -delete  # links to folders of others stay
   find "$1/usr/share/doc" -type d -empty -delete
   rm -rf "$1"/usr/share/{info,locale,man}/* "$1"/var/cache/apt/* "$1"/var/lib/apt/lists/* "$1"/var/log/*.log \
     "$1"/debootstrap "$1"/etc/machine-id
