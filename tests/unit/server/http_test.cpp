@@ -12,6 +12,7 @@
 #include <set>
 
 #include "api/json/json_text.h"
+#include "server/text.h"
 #include "tests/unit/server/service_fixture.h"
 
 namespace server {
