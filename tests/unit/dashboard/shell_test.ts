@@ -45,7 +45,7 @@ test("a command can be pasted whatever it holds", () => {
   assert.equal(curlOf("POST", "/v1/queue/pause", { json: { reason: "it's $HOME" } }),
     `curl -sS -H 'Content-Type: application/json' -d '{"reason":"it'\\''s $HOME"}' http://127.0.0.1:8080/v1/queue/pause`);
   assert.equal(curlOf("POST", "/v1/jobs", { form: [{ field: "scene", file: "my scene.obj" }, { field: "options", text: "{}" }] }),
-    "curl -sS -F 'scene=@my scene.obj' -F 'options={}' http://127.0.0.1:8080/v1/jobs");
+    "curl -sS -F 'scene=@my scene.obj' --form-string 'options={}' http://127.0.0.1:8080/v1/jobs");
 });
 
 test("paths are filled in and values escaped", () => {

@@ -330,7 +330,7 @@ TEST_F(Check, ABadAnimationIsInvalidInput) {
 }
 
 TEST_F(Check, AWrongAnimationIsHandedToWhoSeesTheOtherFilesToo) {
-  folder_.write("input/animation.json", R"({"freames": 3})");
+  folder_.write("input/animation.json", R"({"freames": {"count": 3, "fps": 24}})");
   const auto refuser = [](const api::ReadRequest& read, const fs::path& input, const auto&) {
     EXPECT_TRUE(read.is_document);
     EXPECT_TRUE(fs::exists(input / "animation.json"));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "api/json/json_text.h"
+#include "engine/pipeline/as_sent.h"
 #include "engine/pipeline/run_pipeline.h"
 
 namespace engine {
@@ -42,7 +43,8 @@ class RejectedExample : public testing::TestWithParam<std::filesystem::path> {};
 TEST_P(RejectedExample, IsRefusedWithExactlyTheErrorsItStates) {
   const auto request = api::parse_job_request(read_file(GetParam() / "animation.json"));
   api::JobReport report;
-  const api::Status status = request ? check_job(*request, GetParam(), 1, report) : request.error();
+  const api::Status status =
+      as_sent(GetParam(), request ? check_job(*request, GetParam(), 1, report) : request.error(), report);
   ASSERT_FALSE(status);
   const auto expected = api::ParsedJson::parse(read_file(GetParam() / "expected.json"));
   const auto problem =
