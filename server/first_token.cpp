@@ -33,7 +33,7 @@ api::Status make_first_token(const Config& config, TokenFolder& tokens) {
   if (!held) return held.error();
   const auto scopes = parse_scopes("jobs:read,jobs:write,queue:admin,metrics:read");
   if (!scopes) return scopes.error();
-  // Into the file before it counts: after a crash in between, the next start finds it there.
+  // Into the file before it counts: one that counts and that nobody was told would keep all out.
   const auto keep = [&](const std::string& made) -> api::Result<std::string> {
     if (!held->empty()) return *held;
     if (const api::Status kept = write_new_file(config.token_file, made + "\n"); !kept) return kept.error();

@@ -55,7 +55,7 @@ api::Status ask(const Address& address) {
       (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(address.port);
   const FileHandle socket = connect_to(address);
   if (!socket) return no_answer(where);
-  const std::string request = "GET /healthz HTTP/1.1\r\nHost: " + where + "\r\nConnection: close\r\n\r\n";
+  const std::string request = "GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
   if (::send(socket.get(), request.data(), request.size(), MSG_NOSIGNAL) !=
       static_cast<ssize_t>(request.size()))
     return no_answer(where);

@@ -30,7 +30,7 @@ GivenNames parse_given_names(std::string_view bytes) {
   const auto json = parse_json(bytes, kGivenNamesFile, {kGivenNamesBytesMax, 2, 16});
   if (!json || !json->is_object()) return names;
   for (const auto& [kept, given] : json->items())
-    if (given.is_string()) names.emplace(kept, given.get<std::string>());
+    if (!kept.empty() && given.is_string()) names.emplace(kept, given.get<std::string>());
   return names;
 }
 

@@ -100,7 +100,9 @@ api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes
     return api::Error{api::Fault::invalid_request,
                       "a token's name has 1 to 64 letters, digits, '.', '_' and '-'"};
   std::error_code error;
-  std::filesystem::create_directories(folder_.parent_path(), error);
+  const std::filesystem::path data = folder_.parent_path();
+  std::filesystem::create_directories(data.parent_path(), error);
+  (void)::mkdir(data.c_str(), 0700);  // as the server makes it; where it is missing, the next line says so
   if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) return file_error(folder_.string(), errno);
   const auto locked = lock(folder_);
   if (!locked) return locked.error();
@@ -115,7 +117,10 @@ api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes
                                                      "shares its jobs"};
   auto text = new_token_text();
   if (text && hand_over) text = hand_over(*text);
-  if (!text) return text;
+  if (!text) {
+    ::rmdir(folder_.c_str());  // where there is none yet, there never was one
+    return text;
+  }
   const Token token{std::string(name), *prefix_of(*text), sha256_of(*text), scopes, now_ms, expires_ms};
   if (const api::Status written = write_new_file(file_of(token.prefix), json_of(token)); !written)
     return written.error();
