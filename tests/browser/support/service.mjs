@@ -1,11 +1,11 @@
 // A real server with its dashboard, on a free port, in a folder of its own; ends only what it started.
 import { spawn, spawnSync } from "node:child_process";
-import { createWriteStream, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createWriteStream, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { basename, dirname, join } from "node:path";
 
-const { KEYLUME_SERVER, KEYLUME_WORKER, KEYLUME_DASHBOARD } = process.env;
+const { KEYLUME_SERVER, KEYLUME_WORKER, KEYLUME_DASHBOARD, KEYLUME_BROWSER_PICTURES } = process.env;
 
 function freePort() {
   return new Promise((resolve, reject) => {
@@ -38,6 +38,7 @@ export class Service {
   async start(...options) {
     this.port ??= await freePort();
     this.options = options;
+    mkdirSync(dirname(this.log), { recursive: true });
     const log = createWriteStream(this.log, { flags: "a" });
     this.process = spawn(KEYLUME_SERVER, ["--data", this.data, "--listen", `127.0.0.1:${this.port}`, "--ops-listen", "off",
       "--worker", KEYLUME_WORKER, "--dashboard", KEYLUME_DASHBOARD, ...options], { stdio: ["ignore", "pipe", "pipe"] });
@@ -51,8 +52,9 @@ export class Service {
   get data() {
     return join(this.folder, "data");
   }
+  /** Beside the pictures, where there is such a place: to be read after a test that failed. */
   get log() {
-    return join(this.folder, "server.log");
+    return join(KEYLUME_BROWSER_PICTURES ?? this.folder, `${basename(process.argv[1] ?? "service", ".mjs")}-server.log`);
   }
 
   async answers() {
