@@ -15,6 +15,7 @@ from compose_project import ComposeProject
 from container import docker
 from curl import curl
 from service import ServiceTestCase, wait_until
+from slow_clients import dribbling
 from small_jobs import write_job
 
 SLOW_CLIENTS = 200
@@ -91,24 +92,10 @@ class Proxy(ServiceTestCase):
                            + f"Authorization: Bearer {self.running.token}\r\n".encode()
                            + (b"Content-Type: multipart/form-data; boundary=x\r\n\r\n--x\r\n" if i % 2 else b"X-Sl"))
             clients.append(client)
-        ended = threading.Event()
-
-        def dribble():
-            while not ended.wait(0.5):
-                for client in clients:
-                    try:
-                        client.sendall(b"a")
-                    except OSError:
-                        pass  # the proxy has had enough of it
-        thread = threading.Thread(target=dribble)
-        thread.start()
-        try:
+        with dribbling(clients):
             time.sleep(1)
             times = self.health_seconds(100)
             through = curl(self.proxy + "/healthz", "-k", checked=False).status
-        finally:
-            ended.set()
-            thread.join()
         told = [f"median {each[50] * 1000:.1f} ms, 95th {each[94] * 1000:.1f} ms, slowest {each[-1] * 1000:.1f} ms" for each in (times, alone)]
         print(f"ratio: health of the service while {SLOW_CLIENTS} slow clients are at the proxy: {told[0]}; without them {told[1]}; "
               f"at most {HEALTH_SECONDS_MAX * 1000:.0f} ms", flush=True)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from curl import curl
 from service import ServiceTestCase, wait_until
+from slow_clients import dribbling
 from small_jobs import write_job
 
 MEMORY_MAX_MIB = 32  # more than before the attack
@@ -297,23 +298,12 @@ class Hostile(ServiceTestCase):
 
     def test_clients_that_dribble_or_say_nothing_do_not_stop_the_others(self):
         idle = [self.connect(60) for _ in range(30)]
-        dribbling = [self.connect(60) for _ in range(20)]
-        for connection in dribbling[:10]:
+        slow = [self.connect(60) for _ in range(20)]
+        for connection in slow[:10]:
             connection.sendall(b"GET /v1/jobs HTTP/1.1\r\nHost: 127")
-        for connection in dribbling[10:]:
+        for connection in slow[10:]:
             connection.sendall(self.upload_head(1 << 20) + b"--bound\r\n")
-        stop = threading.Event()
-
-        def dribble():
-            while not stop.wait(0.5):
-                for connection in dribbling:
-                    try:
-                        connection.sendall(b"a")
-                    except OSError:
-                        pass
-        thread = threading.Thread(target=dribble)
-        thread.start()
-        try:
+        with dribbling(slow):
             worst = 0.0
             for _ in range(20):
                 begun = time.monotonic()
@@ -323,29 +313,15 @@ class Hostile(ServiceTestCase):
             self.assertLess(worst, 5)
             # They are given up one day, whatever they do: still dribbling, none of them is held.
             ends = time.monotonic() + 30
-            for connection in idle + dribbling:
+            for connection in idle + slow:
                 connection.settimeout(max(0.1, ends - time.monotonic()))
                 self.assertIn(self.answer_of(connection)[0], (None, 408, 400))
-        finally:
-            stop.set()
-            thread.join()
 
     def test_three_hundred_that_dribble_their_heads_hold_up_nobody(self):
         slow = [self.connect(40) for _ in range(300)]
         for connection in slow:
             connection.sendall(self.head()[:-2] + b"X-Slow: ")
-        stop = threading.Event()
-
-        def dribble():
-            while not stop.wait(2):
-                for connection in slow:
-                    try:
-                        connection.sendall(b"a")
-                    except OSError:
-                        pass  # it has been told
-        thread = threading.Thread(target=dribble)
-        thread.start()
-        try:
+        with dribbling(slow, every_s=2):
             worst = 0.0
             end = time.monotonic() + 8  # less than it takes until they are sent away
             while time.monotonic() < end:
@@ -356,9 +332,6 @@ class Hostile(ServiceTestCase):
             self.assertLess(worst, 15)
             statuses = [self.answer_of(connection)[0] for connection in slow]
             self.assertGreater(statuses.count(408), 290, "their time for a head is limited")
-        finally:
-            stop.set()
-            thread.join()
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from finished_jobs import finish_jobs
 from service import WORKER, ServiceTestCase, hashes_of, wait_until
 from small_jobs import changed, write_job
 
@@ -20,17 +21,8 @@ class Killed(ServiceTestCase):
     @classmethod
     def setUpClass(cls):
         """The uninterrupted run, which every interrupted one is compared with."""
-        shared = cls("runTest")
-        shared.setUp()
-        cls.addClassCleanup(shared.doCleanups)
-        cls.job = write_job(shared.folder / "job", **JOB)
-        service = shared.service()
-        job_id = shared.submitted(service, cls.job)
-        service.wait_for(job_id, ["succeeded"], 240)
-        cls.expected = hashes_of(service.job_folder(job_id) / "artefacts")
-
-    def runTest(self):
-        pass
+        finished = finish_jobs(cls, timeout_s=240, **JOB)
+        cls.job, cls.expected = finished.input, finished.expected
 
     def start_and_reach_the_solve(self):
         service = self.service()

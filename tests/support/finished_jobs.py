@@ -14,7 +14,7 @@ class FinishedJobs:
     expected: dict  # hashes of the artefacts of each, by their paths
 
 
-def finish_jobs(test_class, count=1, **job):
+def finish_jobs(test_class, count=1, timeout_s=120, **job):
     """Has a server of its own render the job, as write_job takes it, `count` times. For setUpClass: the folders stay as
     long as the class is tested. -> FinishedJobs"""
     shared = ServiceTestCase()
@@ -24,7 +24,7 @@ def finish_jobs(test_class, count=1, **job):
     service = shared.service()
     ids = [shared.submitted(service, folder) for _ in range(count)]
     for job_id in ids:
-        service.wait_for(job_id, ["succeeded"], 120)
+        service.wait_for(job_id, ["succeeded"], timeout_s)
     hashes = [hashes_of(service.job_folder(job_id) / "artefacts") for job_id in ids]
     assert all(each == hashes[0] for each in hashes), "the same job, other bytes"
     assert service.stop() == 0

@@ -39,6 +39,11 @@ export interface Problem {
   errors: ProblemError[];
 }
 
+/** The job, as far as its progress says. */
+export function withProgress(job: Job, { attempt, stage, stage_fraction, fraction, seconds_left }: JobProgress): Job {
+  return { ...job, attempt, progress: { stage: stage as Job["progress"]["stage"], stage_fraction, fraction, seconds_left } };
+}
+
 const kFinal: readonly string[] = ["succeeded", "failed", "canceled"];
 
 export function isFinal(state: JobState): boolean {

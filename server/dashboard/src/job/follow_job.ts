@@ -1,7 +1,7 @@
 // A job as it is now, for as long as it is shown.
 import { get } from "../api/client";
 import { live } from "../api/live";
-import type { Job } from "../api/types";
+import { withProgress, type Job } from "../api/types";
 import type { Lifetime, Signal } from "../base/signal";
 
 /**
@@ -25,9 +25,7 @@ export function followJob(job: Signal<Job>, lifetime: Lifetime, gone: () => void
     onRemoved: (removed) => removed.job === id && gone(),
     onRefresh: soon,
     onProgress: (progress) => {
-      if (progress.job !== id) return;
-      const { stage, stage_fraction, fraction, seconds_left } = progress;
-      job.value = { ...job.value, attempt: progress.attempt, progress: { stage: stage as Job["progress"]["stage"], stage_fraction, fraction, seconds_left } };
+      if (progress.job === id) job.value = withProgress(job.value, progress);
     },
   });
   return look;

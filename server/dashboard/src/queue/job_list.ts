@@ -1,7 +1,7 @@
 // The jobs of the list as they are now: pages from the service, kept true by events.
 import { get } from "../api/client";
 import { live } from "../api/live";
-import type { Job, JobProgress } from "../api/types";
+import { withProgress, type Job, type JobProgress } from "../api/types";
 import { isLabel, labelFilters, labelsText } from "../base/labels";
 import { Signal, type Lifetime } from "../base/signal";
 
@@ -179,8 +179,7 @@ export class JobList {
   private takeProgress(progress: JobProgress): void {
     const job = this.known.get(progress.job);
     if (!job) return;
-    const { stage, stage_fraction, fraction, seconds_left } = progress;
-    this.known.set(job.id, { ...job, attempt: progress.attempt, progress: { stage: stage as Job["progress"]["stage"], stage_fraction, fraction, seconds_left } });
+    this.known.set(job.id, withProgress(job, progress));
     this.publish();
   }
 
