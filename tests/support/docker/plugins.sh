@@ -2,13 +2,24 @@
 # Sourced by engine: compose v2 and buildx for this `docker`. Debian 12 has neither; Debian 13's packages hold programs
 # that want nothing else, so they are taken out of the packages and not installed.
 
+missing_plugins() {
+  docker compose version >/dev/null 2>&1 || echo docker-compose
+  docker buildx version >/dev/null 2>&1 || echo docker-buildx
+}
+
+# The configuration of who runs this stays where it has both: it says which Engine is asked, and by which name.
 have_plugins() {
-  local missing=()
-  docker compose version >/dev/null 2>&1 || missing+=(docker-compose)
-  docker buildx version >/dev/null 2>&1 || missing+=(docker-buildx)
+  local missing
+  mapfile -t missing < <(missing_plugins)
+  [ ${#missing[@]} != 0 ] || return 0
+  # Of ours the context is the default one.
+  export DOCKER_HOST="${DOCKER_HOST:-$(docker context inspect --format '{{.Endpoints.docker.Host}}')}"
+  export DOCKER_CONFIG="$folder/config"
+  mkdir -p "$DOCKER_CONFIG/cli-plugins"
+  mapfile -t missing < <(missing_plugins)
   [ ${#missing[@]} = 0 ] || fetch_plugins "${missing[@]}"
-  docker compose version >/dev/null 2>&1 || fail "compose v2 does not run here"
-  docker buildx version >/dev/null 2>&1 || fail "buildx does not run here"
+  mapfile -t missing < <(missing_plugins)
+  [ ${#missing[@]} = 0 ] || fail "these do not run here: ${missing[*]}"
 }
 
 fetch_plugins() { # PACKAGE...
