@@ -64,8 +64,8 @@ WorkerRules worker_rules(const Config& config) {
   rules.program = config.worker;
   rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
   rules.cores_per_job = config.worker_threads > 0 ? config.worker_threads : rules.budget.cores;
-  if (config.worker_threads > 0 || config.worker_threads_total > 0)
-    rules.render_options = {"--threads", std::to_string(rules.cores_per_job)};
+  // Always said: a worker itself sees the machine's cores, not what the container may use of them.
+  rules.render_options = {"--threads", std::to_string(rules.cores_per_job)};
   return rules;
 }
 

@@ -17,10 +17,15 @@ std::int64_t memory_here() {
   return std::min(bytes, group_memory_limit_bytes().value_or(bytes));
 }
 
+unsigned cores_here() {
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  return std::min(cores, group_core_limit().value_or(cores));
+}
+
 }  // namespace
 
 WorkerBudget make_budget(unsigned cores, std::int64_t memory_mb) {
-  if (cores == 0) cores = std::max(1u, std::thread::hardware_concurrency());
+  if (cores == 0) cores = cores_here();
   return {static_cast<std::int64_t>(cores), memory_mb > 0 ? memory_mb * kMegabyte : memory_here() / 5 * 4};
 }
 

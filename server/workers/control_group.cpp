@@ -1,5 +1,7 @@
 #include "server/workers/control_group.h"
 
+#include <algorithm>
+#include <climits>
 #include <fstream>
 #include <string>
 
@@ -25,6 +27,17 @@ std::optional<std::int64_t> group_memory_limit_bytes(const std::filesystem::path
     if (std::ifstream(root / file) >> limit && limit > 0 && limit < INT64_MAX / 2) return limit;
   }
   return std::nullopt;
+}
+
+std::optional<unsigned> group_core_limit(const std::filesystem::path& root) {
+  std::int64_t quota_us = 0, period_us = 0;
+  // Without a limit version 2 says "max", which is no number, and version 1 a quota of -1.
+  const bool known = (std::ifstream(root / "cpu.max") >> quota_us >> period_us) ||
+                     ((std::ifstream(root / "cpu/cpu.cfs_quota_us") >> quota_us) &&
+                      (std::ifstream(root / "cpu/cpu.cfs_period_us") >> period_us));
+  if (!known || quota_us <= 0 || period_us <= 0) return std::nullopt;
+  const std::int64_t cores = quota_us / period_us + (quota_us % period_us > 0 ? 1 : 0);
+  return static_cast<unsigned>(std::min<std::int64_t>(cores, UINT_MAX));
 }
 
 std::int64_t out_of_memory_kills(const std::filesystem::path& root) {

@@ -43,6 +43,30 @@ TEST_F(ControlGroup, WithoutALimitThereIsNone) {
   EXPECT_EQ(group_memory_limit_bytes(root_), std::nullopt);
 }
 
+TEST_F(ControlGroup, CoresAreReadInVersion2AndRoundedUp) {
+  write("cpu.max", "150000 100000\n");
+  EXPECT_EQ(group_core_limit(root_), 2u);
+  write("cpu.max", "400000 100000\n");
+  EXPECT_EQ(group_core_limit(root_), 4u);
+  write("cpu.max", "1000 100000\n");
+  EXPECT_EQ(group_core_limit(root_), 1u);
+}
+
+TEST_F(ControlGroup, CoresAreReadInVersion1) {
+  write("cpu/cpu.cfs_quota_us", "250000\n");
+  write("cpu/cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(group_core_limit(root_), 3u);
+}
+
+TEST_F(ControlGroup, WithoutALimitOfCoresThereIsNone) {
+  EXPECT_EQ(group_core_limit(root_), std::nullopt);
+  write("cpu.max", "max 100000\n");
+  EXPECT_EQ(group_core_limit(root_), std::nullopt);
+  write("cpu/cpu.cfs_quota_us", "-1\n");
+  write("cpu/cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(group_core_limit(root_), std::nullopt);
+}
+
 TEST_F(ControlGroup, WhereNobodySaysThereIsNoLimitAndNoKill) {
   EXPECT_EQ(group_memory_limit_bytes(root_), std::nullopt);
   EXPECT_EQ(out_of_memory_kills(root_), 0);
