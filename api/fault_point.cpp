@@ -10,19 +10,19 @@
 namespace api {
 namespace {
 
-struct Fault {
+struct AskedFault {
   std::string name;
   unsigned times = 1;
   int signal = SIGKILL;
 };
 
 /// Read once: what changes the environment later changes nothing.
-const Fault& fault_asked_for() {
-  static const Fault asked = [] {
+const AskedFault& fault_asked_for() {
+  static const AskedFault asked = [] {
     const char* value = std::getenv("KEYLUME_FAULT");
     const std::string_view text = value ? value : "";
     const std::size_t colon = text.find(':');
-    Fault fault{std::string(text.substr(0, colon))};
+    AskedFault fault{std::string(text.substr(0, colon))};
     if (text.ends_with(":stop")) fault.signal = SIGSTOP;
     if (colon != text.npos)
       (void)std::from_chars(text.data() + colon + 1, text.data() + text.size(), fault.times);
@@ -34,7 +34,7 @@ const Fault& fault_asked_for() {
 }  // namespace
 
 void fault_point(std::string_view name) {
-  const Fault& fault = fault_asked_for();
+  const AskedFault& fault = fault_asked_for();
   if (fault.name.empty() || fault.name != name) return;
   static std::atomic<unsigned> passed = 0;
   // To this thread: sent to the process, SIGSTOP may be taken by another while this one goes on.

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "api/json/job_sections.h"
+#include "api/json/names.h"
 #include "api/json/take_fields.h"
 #include "api/nearest_name.h"
 
@@ -14,7 +15,6 @@ constexpr std::array kToneMaps{Named<ToneMap>{"filmic", ToneMap::filmic},
 constexpr std::array<std::string_view, 3> kFormats{"png", "exr", "jpg"};
 
 constexpr Range kStops{-32, 32};
-constexpr std::size_t kAnyNameBytes = 1u << 10;
 
 void read_formats(const Node& node, ImageOptions& image) {
   if (!is_array_of(node, 1, kFormats.size())) return;

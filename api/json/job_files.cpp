@@ -8,16 +8,17 @@
 namespace api {
 namespace {
 
-constexpr std::size_t kNameBytesMax = 512;
+constexpr std::size_t kGivenNameBytesMax = 512;
 constexpr std::size_t kSha256Digits = 64;
-constexpr std::array<std::string_view, 5> kFields{"scene", "materials", "textures", "animation", "archive"};
+constexpr std::array<std::string_view, 5> kFileFields{"scene", "materials", "textures", "animation",
+                                                      "archive"};
 
 JobFile read_file(const Node& node) {
   JobFile file;
   if (!is_object_of(node, {"field", "name", "sha256"})) return file;
   if (const auto field = required(node, "field"))
-    if (const auto index = one_of(*field, kFields)) file.field = kFields[*index];
-  if (const auto name = member(node, "name")) file.name = text(*name, kNameBytesMax).value_or("");
+    if (const auto index = one_of(*field, kFileFields)) file.field = kFileFields[*index];
+  if (const auto name = member(node, "name")) file.name = text(*name, kGivenNameBytesMax).value_or("");
   const auto sha256 = required(node, "sha256");
   if (!sha256) return file;
   file.sha256 = text(*sha256, kSha256Digits).value_or("");

@@ -14,7 +14,7 @@ constexpr std::array kUpAxes{Named<UpAxis>{"y", UpAxis::y}, Named<UpAxis>{"z", U
 constexpr Range kFps{.lowest = 0, .highest = 1000, .lowest_excluded = true};
 constexpr Range kMetresPerUnit{1e-6, 1e6};
 
-void read_frames(const Node& node, JobRequest& request) {
+void read_frame_range(const Node& node, JobRequest& request) {
   // Where the count is wrong, keys are held against the largest there can be: no errors that only follow.
   if (!is_object_of(node, {"count", "fps"})) {
     request.frame_count = kFramesMax;
@@ -67,7 +67,7 @@ JobRequest read_job(const Node& root) {
                            "lights", "cameras", "lighting", "images"}))
     return request;
   if (const auto name = member(root, "name")) take(text(*name, kNameBytesMax), request.name);
-  if (const auto frames = member(root, "frames")) read_frames(*frames, request);
+  if (const auto frames = member(root, "frames")) read_frame_range(*frames, request);
   SceneDescription& scene = request.scene;
   if (const auto unit = member(root, "metres_per_unit"))
     take(number(*unit, kMetresPerUnit), scene.metres_per_unit);

@@ -18,6 +18,7 @@ inline constexpr std::size_t kMaterialsMax = 10'000;  ///< in animation.json; th
 inline constexpr std::size_t kLightsMax = 1000;
 inline constexpr std::size_t kCamerasMax = 64;
 inline constexpr std::size_t kImagesMax = 16;
+inline constexpr Range kCoordinate{-1e9, 1e9};  ///< metres, or whatever unit the scene is in
 
 inline constexpr std::array kLightingModes{
     Named<LightingMode>{"default", LightingMode::standard}, Named<LightingMode>{"paper", LightingMode::paper},

@@ -9,7 +9,6 @@
 namespace api {
 namespace {
 
-constexpr Range kCoordinate{-1e9, 1e9};
 constexpr Range kIntensity{0, 1e9};
 constexpr Range kOuterAngle{.lowest = 0, .highest = 90, .lowest_excluded = true};
 constexpr double kShortest = 1e-100;  ///< of a direction: its square is a number still

@@ -7,8 +7,9 @@
 
 namespace api {
 
-inline constexpr std::size_t kNameBytesMax = 200;     ///< of a job, an object, a material, a light
-inline constexpr std::size_t kFileNameBytesMax = 64;  ///< of a camera, a group of lights
+inline constexpr std::size_t kNameBytesMax = 200;       ///< of a job, an object, a material, a light
+inline constexpr std::size_t kAnyNameBytes = 1u << 10;  ///< of what is looked up, and told as not found
+inline constexpr std::size_t kFileNameBytesMax = 64;    ///< of a camera, a group of lights
 
 /// Each says so where `name`, which `node` has, will not do, and answers false.
 

@@ -9,7 +9,6 @@ namespace api {
 namespace {
 
 // Far beyond any scene, and small enough that products of a few of them stay finite in single precision.
-constexpr Range kCoordinate{-1e9, 1e9};
 constexpr Range kFactor{.lowest = 0, .highest = 1e6, .lowest_excluded = true};
 constexpr Range kAngle{-1e6, 1e6};
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/json/names.h"
 #include "api/nearest_name.h"
 #include "api/pointer_step.h"
 
@@ -13,7 +14,6 @@ namespace {
 
 using Objects = std::map<std::string, ObjectAnimation>;
 
-constexpr std::size_t kAnyNameBytes = 1u << 10;
 constexpr std::size_t kEndless = SIZE_MAX;  ///< parents above an object that leads into a circle
 
 void add_at_parent(const Node& node, std::string_view name, std::string_view code, std::string detail) {

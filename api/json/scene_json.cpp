@@ -5,7 +5,6 @@
 namespace api {
 namespace {
 
-constexpr Range kCoordinate{-1e9, 1e9};
 constexpr Range kReflectance{.lowest = 0, .highest = 1, .highest_excluded = true};
 constexpr Range kExitance{0, 1e9};
 constexpr Range kFieldOfView{1, 170};

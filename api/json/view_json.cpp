@@ -9,7 +9,7 @@ namespace api {
 namespace {
 
 /// None given: all of them.
-std::vector<FrameIndex> read_frames(const std::optional<Node>& node, std::uint32_t frame_count) {
+std::vector<FrameIndex> frames_of_view(const std::optional<Node>& node, std::uint32_t frame_count) {
   std::vector<FrameIndex> frames;
   if (!node) {
     for (FrameIndex frame = 0; frame < frame_count; ++frame) frames.push_back(frame);
@@ -106,7 +106,7 @@ Result<ViewRequest> parse_view_request(std::string_view bytes, const ViewedJob& 
     const auto camera = required(root, "camera");
     if (camera) read_camera_of(*camera, job, view);
     read_image_fields(root, view.image);
-    view.frames = read_frames(member(root, "frames"), job.frame_count);
+    view.frames = frames_of_view(member(root, "frames"), job.frame_count);
     if (const auto gains = member(root, "light_gains")) read_light_gains(*gains, job, view);
     check_size(root, view);
     if (camera && findings.violations.empty()) view.canonical_json = canonical(*camera->json, view);

@@ -7,14 +7,14 @@
 namespace engine {
 namespace {
 
-/// ",0.123": the next cell of a line.
-std::string cell(double value) {
+/// ",0.123": the next csv_cell of a line.
+std::string csv_cell(double value) {
   char text[32];
   std::snprintf(text, sizeof text, ",%.6g", value);
   return text;
 }
 
-std::string cell(std::string_view value) {
+std::string csv_cell(std::string_view value) {
   std::string text(1, ',');
   return text.append(value);
 }
@@ -33,14 +33,14 @@ std::string runs_csv(const std::vector<GroupResult>& groups) {
     for (const RunResult& result : group.runs) {
       const BenchRun& run = result.run;
       text += run.name;
-      text += cell(run.repetitions);
+      text += csv_cell(run.repetitions);
       for (const double value :
            {count_of(run.report, "patches"), static_cast<double>(solved_frames(run.key_frames)),
             run.estimation_s, run.computation_s, result.absolute_speed_up, result.relative_speed_up,
             static_cast<double>(run.peak_memory_bytes), result.error.rmse_average_w_m2,
             result.error.rmse_average_w_m2 / result.error.mean_radiosity_w_m2, result.error.largest,
             result.error.share_beyond})
-        text += cell(value);
+        text += csv_cell(value);
       text += "\n";
     }
   return text;
@@ -49,11 +49,12 @@ std::string runs_csv(const std::vector<GroupResult>& groups) {
 std::string rmse_csv(const std::vector<GroupResult>& groups) {
   std::string text = "frame";
   for (const GroupResult& group : groups)
-    for (std::size_t k = 1; k < group.runs.size(); ++k) text += cell(group.runs[k].run.name);
+    for (std::size_t k = 1; k < group.runs.size(); ++k) text += csv_cell(group.runs[k].run.name);
   for (std::uint32_t frame = 0; frame < kBenchFrames; ++frame) {
     text.append(1, '\n').append(std::to_string(frame + 1));
     for (const GroupResult& group : groups)
-      for (std::size_t k = 1; k < group.runs.size(); ++k) text += cell(group.runs[k].error.rmse_w_m2[frame]);
+      for (std::size_t k = 1; k < group.runs.size(); ++k)
+        text += csv_cell(group.runs[k].error.rmse_w_m2[frame]);
   }
   return text + "\n";
 }
@@ -64,7 +65,7 @@ std::string key_frames_csv(const std::vector<GroupResult>& groups) {
     for (const RunResult& result : group.runs)
       for (const api::FrameRecord& frame : result.run.key_frames.frames)
         if (frame.kind != api::FrameKind::interpolated)
-          text += result.run.name + cell(frame.frame + 1) + cell(kind_name(frame.kind)) + "\n";
+          text += result.run.name + csv_cell(frame.frame + 1) + csv_cell(kind_name(frame.kind)) + "\n";
   return text;
 }
 
@@ -76,14 +77,14 @@ api::Result<std::string> probes_csv(const BenchRun& room) {
   auto file = RadiosityFile::open(room.folder / "artefacts/radiosity.npy");
   if (!file) return file.error();
   std::string text = "frame";
-  for (const char* name : kProbeNames) text += cell(name);
+  for (const char* name : kProbeNames) text += csv_cell(name);
   for (std::uint32_t frame = 0; frame < file->frame_count(); ++frame) {
     const auto values = file->read(frame);
     if (!values) return values.error();
     text.append(1, '\n').append(std::to_string(frame + 1));
     for (const PatchId probe : *probes) {
       const Rgb& radiosity = (*values)[probe];
-      text += cell((radiosity.r + radiosity.g + radiosity.b) / 3);
+      text += csv_cell((radiosity.r + radiosity.g + radiosity.b) / 3);
     }
   }
   return text + "\n";

@@ -70,7 +70,7 @@ const std::vector<Row>& rows() {
   return kRows;
 }
 
-std::string cell(const std::string& text) {
+std::string table_cell(const std::string& text) {
   return std::string(1, ' ').append(text).append(" |");
 }
 
@@ -81,16 +81,16 @@ std::string table(const char* title, std::span<const Column> columns) {
   std::string text = text_of("## %s\n\n| |", title), line = "|---|";
   for (const Column& column : columns) {
     const std::string heading = column.heading;
-    if (column.paper) text += cell(std::string("[P] ").append(heading));
-    text += cell(column.paper ? std::string("ours, ").append(heading) : heading);
+    if (column.paper) text += table_cell(std::string("[P] ").append(heading));
+    text += table_cell(column.paper ? std::string("ours, ").append(heading) : heading);
     line += column.paper ? "---|---|" : "---|";
   }
   text.append(1, '\n').append(line).append(1, '\n');
   for (const Row& row : rows()) {
-    text.append(1, '|').append(cell(row.name));
+    text.append(1, '|').append(table_cell(row.name));
     for (const Column& column : columns) {
-      if (column.paper) text += cell(row.paper(*column.paper));
-      text += cell(row.ours(*column.ours));
+      if (column.paper) text += table_cell(row.paper(*column.paper));
+      text += table_cell(row.ours(*column.ours));
     }
     text += "\n";
   }

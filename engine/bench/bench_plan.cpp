@@ -26,7 +26,7 @@ api::LightingOptions full_resolution(const BenchOptions& options) {
 }
 
 /// The first, the last and two between.
-std::vector<api::FrameIndex> frames_alone(bool quick) {
+std::vector<api::FrameIndex> frames_of_plan(bool quick) {
   constexpr api::FrameIndex kLast = kBenchFrames - 1;
   return quick ? std::vector<api::FrameIndex>{0, kLast}
                : std::vector<api::FrameIndex>{0, kLast / 3, 2 * kLast / 3, kLast};
@@ -46,7 +46,7 @@ BenchGroup group_of(const std::string& name, const std::string& example, const s
   BenchGroup group{name, {name, example, animation, lighting}, {}, {}};
   group.full = job_of(group, "full", api::LightingMode::reference);
   group.alone = job_of(group, "alone", api::LightingMode::frame_by_frame);
-  group.alone.frames = frames_alone(quick);
+  group.alone.frames = frames_of_plan(quick);
   return group;
 }
 

@@ -11,7 +11,7 @@ namespace engine {
 namespace {
 
 /// Jobs that take longer are run once.
-constexpr double kRepeatedSecondsMax = 10;
+constexpr double kRepeatedPointSecondsMax = 10;
 
 struct ScalingBench {
   BenchOptions options;
@@ -36,7 +36,7 @@ api::Result<PointRuns> run_points(const ScalingBench& bench, const ScalingCurve&
   PointRuns runs = run_in_turn(jobs, bench.runner, 1);
   std::vector<std::size_t> repeated;
   for (std::size_t k = 0; k < runs.size(); ++k)
-    if (runs[k] && median_seconds(*runs[k]) < kRepeatedSecondsMax) repeated.push_back(k);
+    if (runs[k] && median_seconds(*runs[k]) < kRepeatedPointSecondsMax) repeated.push_back(k);
   for (const std::size_t k : repeated) quick_ones.push_back(jobs[k]);
   PointRuns again =
       run_in_turn(quick_ones, bench.runner, bench.options.quick ? 1 : bench.options.repetitions);
@@ -73,7 +73,7 @@ std::vector<BenchCell> row_of(const ScalingPoint& point, const api::Result<Bench
   return row;
 }
 
-BenchTable table_of(const ScalingCurve& curve, const PointRuns& runs) {
+BenchTable table_of_curve(const ScalingCurve& curve, const PointRuns& runs) {
   BenchTable table{curve.name,
                    curve.title,
                    "",
@@ -148,7 +148,7 @@ void add_thread_bar(ScalingBench& bench, const PointRuns& runs) {
 api::Status add_curve(ScalingBench& bench, const ScalingCurve& curve) {
   const auto runs = run_points(bench, curve);
   if (!runs) return runs.error();
-  bench.sheet.tables.push_back(table_of(curve, *runs));
+  bench.sheet.tables.push_back(table_of_curve(curve, *runs));
   if (curve.name == "frames") add_memory_bar(bench, curve, *runs);
   if (curve.name == "threads") add_thread_bar(bench, *runs);
   return curve.name == "patches" ? add_tracing(bench, curve) : api::Status(api::Done{});
@@ -167,7 +167,7 @@ api::Status bench_scaling(const BenchOptions& options, const std::filesystem::pa
                      "%.0f s are medians of %d, run in turn, smallest and largest in brackets. Lamps keep "
                      "their area together, whatever their number. Jobs beyond the limits are refused, and "
                      "said so.",
-                     kRepeatedSecondsMax, options.quick ? 1 : options.repetitions),
+                     kRepeatedPointSecondsMax, options.quick ? 1 : options.repetitions),
                  .machine = this_machine(),
                  .seed = options.seed,
                  .quick = options.quick};

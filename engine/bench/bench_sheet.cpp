@@ -7,7 +7,7 @@
 namespace engine {
 namespace {
 
-BenchTable table_of(const std::vector<BenchBar>& bars) {
+BenchTable table_of_bars(const std::vector<BenchBar>& bars) {
   BenchTable table{
       "bars", "Bars", "", {{"what", ""}, {"bar", "bar"}, {"reached", "reached"}, {"met", "met"}}, {}};
   for (const BenchBar& bar : bars)
@@ -21,7 +21,7 @@ BenchTable table_of(const std::vector<BenchBar>& bars) {
 /// The bars first, where there are some.
 std::vector<BenchTable> all_tables(const BenchSheet& sheet) {
   std::vector<BenchTable> tables;
-  if (!sheet.bars.empty()) tables.push_back(table_of(sheet.bars));
+  if (!sheet.bars.empty()) tables.push_back(table_of_bars(sheet.bars));
   tables.insert(tables.end(), sheet.tables.begin(), sheet.tables.end());
   return tables;
 }

@@ -67,7 +67,7 @@ bool wait_for(pid_t child, double seconds, int& status, rusage& use, bool& late)
   }
 }
 
-double seconds_of(const timeval& time) {
+double seconds_in(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
@@ -94,7 +94,7 @@ api::Result<ChildUse> run_child(const std::vector<std::string>& words, const std
                       "stopped after " + std::to_string(static_cast<int>(limits.seconds)) + " s"};
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
     constexpr std::uint64_t kKilobyte = 1024;  // the unit of ru_maxrss
-    return ChildUse{seconds_of(use.ru_utime) + seconds_of(use.ru_stime),
+    return ChildUse{seconds_in(use.ru_utime) + seconds_in(use.ru_stime),
                     kKilobyte * static_cast<std::uint64_t>(use.ru_maxrss)};
   }
   const std::string how = WIFSIGNALED(status) ? "was ended by signal " + std::to_string(WTERMSIG(status))

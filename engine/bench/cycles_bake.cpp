@@ -13,15 +13,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-api::Json json_of(Vec3 v) {
+api::Json array_of(Vec3 v) {
   return {v.x, v.y, v.z};
 }
-api::Json json_of(Rgb c) {
+api::Json array_of(Rgb c) {
   return {c.r, c.g, c.b};
 }
 
 /// None where the object is not there.
-const Pose* pose_in(const ObjectMotion& motion, FrameIndex frame) {
+const Pose* pose_shown_in(const ObjectMotion& motion, FrameIndex frame) {
   for (const PoseSpan& span : motion.spans)
     if (span.first <= frame && frame <= span.last) return &span.pose;
   return nullptr;
@@ -33,8 +33,8 @@ api::Json materials_json(const BenchScene& scene, FrameIndex frame) {
     const Material& material = scene.scene.materials[k];
     const auto per_pi = static_cast<float>(1 / std::numbers::pi);
     materials[material.name] = {
-        {"reflectance", json_of(material_reflectance(scene.scene, scene.animation, k, frame))},
-        {"radiance", json_of(per_pi * material.exitance_w_m2)}};
+        {"reflectance", array_of(material_reflectance(scene.scene, scene.animation, k, frame))},
+        {"radiance", array_of(per_pi * material.exitance_w_m2)}};
   }
   return materials;
 }
@@ -44,12 +44,12 @@ api::Result<api::Json> facets_json(const BenchScene& scene, FrameIndex frame) {
   for (const Facet& facet : scene.patches.facets) {
     if (facet.is_triangle)
       return api::Error{api::Fault::invalid_request, "triangles are not baked for comparison"};
-    const Pose* pose = pose_in(scene.animation.objects[facet.object], frame);
+    const Pose* pose = pose_shown_in(scene.animation.objects[facet.object], frame);
     if (!pose) continue;
     facets.push_back({{"material", scene.scene.materials[facet.material].name},
-                      {"origin", json_of(transform_point(*pose, facet.origin))},
-                      {"u", json_of(transform_vector(*pose, facet.edge_u))},
-                      {"v", json_of(transform_vector(*pose, facet.edge_v))},
+                      {"origin", array_of(transform_point(*pose, facet.origin))},
+                      {"u", array_of(transform_vector(*pose, facet.edge_u))},
+                      {"v", array_of(transform_vector(*pose, facet.edge_v))},
                       {"parts", {facet.grid_u, facet.grid_v}}});
   }
   return facets;

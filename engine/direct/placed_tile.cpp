@@ -10,11 +10,11 @@ constexpr CellRule kSquareRule{
     4, {kLow, kHigh, kLow, kHigh}, {kLow, kLow, kHigh, kHigh}, {0.25f, 0.25f, 0.25f, 0.25f}};
 
 constexpr float kNear = 0.0915762135f, kFar = 0.816847573f, kNearWeight = 0.109951744f;
-constexpr float kSide = 0.445948491f, kAcross = 0.108103018f, kSideWeight = 0.223381590f;
+constexpr float kBeside = 0.445948491f, kAcross = 0.108103018f, kSideWeight = 0.223381590f;
 constexpr CellRule kTriangleRule{
     6,
-    {kNear, kFar, kNear, kSide, kAcross, kSide},
-    {kNear, kNear, kFar, kSide, kSide, kAcross},
+    {kNear, kFar, kNear, kBeside, kAcross, kBeside},
+    {kNear, kNear, kFar, kBeside, kBeside, kAcross},
     {kNearWeight, kNearWeight, kNearWeight, kSideWeight, kSideWeight, kSideWeight}};
 
 }  // namespace

@@ -3,7 +3,7 @@
 namespace engine {
 namespace {
 
-struct Box {
+struct Extent {
   Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
   void add(Vec3 p) {
     low = min(low, p);
@@ -18,12 +18,12 @@ struct Box {
 }  // namespace
 
 float scene_reach_m(const Patches& patches, const Animation& animation) {
-  std::vector<Box> of_object(animation.objects.size());
+  std::vector<Extent> of_object(animation.objects.size());
   for (const Facet& facet : patches.facets)
     for (std::size_t c = 0; c < (facet.is_triangle ? 3u : 4u); ++c)
       of_object[facet.object].add(facet.corners[c]);
 
-  Box all;
+  Extent all;
   for (std::size_t o = 0; o < of_object.size(); ++o) {
     if (of_object[o].empty()) continue;
     for (const PoseSpan& span : animation.objects[o].spans)

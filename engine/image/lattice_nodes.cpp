@@ -6,7 +6,7 @@ namespace engine {
 namespace {
 
 /// The point `k` of `parts` on the way from a to b.
-LatticePoint between(LatticePoint a, LatticePoint b, std::uint32_t k, std::uint32_t parts) {
+LatticePoint point_between(LatticePoint a, LatticePoint b, std::uint32_t k, std::uint32_t parts) {
   const auto on_way = [&](std::uint64_t from, std::uint64_t to) {
     return static_cast<std::uint32_t>((from * (parts - k) + to * k) / parts);
   };
@@ -23,7 +23,7 @@ void append_hanging(const LatticeNodes& nodes, std::vector<HangingNode>& hanging
     for (std::uint32_t c = 0; c < leaf.count; ++c)
       for (std::uint32_t k = 1; k < parts; ++k) {
         const LatticePoint a = leaf.at[c], b = leaf.at[(c + 1) % leaf.count];
-        const std::uint32_t node = nodes.find(between(a, b, k, parts));
+        const std::uint32_t node = nodes.find(point_between(a, b, k, parts));
         if (node != LatticeNodes::kNone)
           hanging.push_back(
               {node, nodes.find(a), nodes.find(b), static_cast<float>(k) / static_cast<float>(parts), parts});

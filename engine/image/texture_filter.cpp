@@ -20,7 +20,7 @@ Neighbours neighbours_of(double turns, std::uint32_t count) {
   return {wrapped(k, count), wrapped(k + 1, count), static_cast<float>(along - below)};
 }
 
-Rgb between(Rgb a, Rgb b, float fraction) {
+Rgb colour_between(Rgb a, Rgb b, float fraction) {
   return (1 - fraction) * a + fraction * b;
 }
 
@@ -28,9 +28,9 @@ Rgb on_level(const TexturePyramid& texture, std::uint32_t level, TexturePoint at
   const Neighbours x = neighbours_of(at.u, texture.width(level));
   const Neighbours y = neighbours_of(-at.v, texture.height(level));  // v goes up, rows go down
   const auto row = [&](std::uint32_t k) {
-    return between(texture.at(level, x.first, k), texture.at(level, x.second, k), x.fraction);
+    return colour_between(texture.at(level, x.first, k), texture.at(level, x.second, k), x.fraction);
   };
-  return between(row(y.first), row(y.second), y.fraction);
+  return colour_between(row(y.first), row(y.second), y.fraction);
 }
 
 /// `width`: of what is averaged, in texels of the finest level.
@@ -40,7 +40,7 @@ Rgb between_levels(const TexturePyramid& texture, double width, TexturePoint at)
   const auto finer = static_cast<std::uint32_t>(level);
   const auto fraction = static_cast<float>(level - finer);
   const Rgb fine = on_level(texture, finer, at);
-  return fraction > 0 ? between(fine, on_level(texture, finer + 1, at), fraction) : fine;
+  return fraction > 0 ? colour_between(fine, on_level(texture, finer + 1, at), fraction) : fine;
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace engine {
 namespace {
 
-Scale scale_of(const Patches& patches, const RgbValues& values, const std::vector<Rgb>& reflectance) {
+Scale scale_at_rest(const Patches& patches, const RgbValues& values, const std::vector<Rgb>& reflectance) {
   double sum = 0, area = 0, largest = 0, rho = 0;
   for (PatchId patch = 0; patch < patches.count(); ++patch) {
     const double value = max_channel(values[patch]);
@@ -47,7 +47,8 @@ api::Result<RestLight> solve_at_rest(const Patches& patches, const TracedLines& 
     if (!went_on) return api::Error{api::Fault::stopped, "stopped while solving the scene at rest"};
     const PatchSeries correction = coarse.correction(residual);
     test.add(changes.empty() ? 0 : *std::max_element(changes.begin(), changes.end()),
-             largest_value(correction), scale_of(patches, radiosity.values, reflectance), light.convergence);
+             largest_value(correction), scale_at_rest(patches, radiosity.values, reflectance),
+             light.convergence);
     if (!std::isfinite(light.convergence.error_left))
       return api::Error{api::Fault::internal, "the light of the scene at rest grew without end"};
     progress.report(test.fraction(light.convergence));

@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "api/pointer_step.h"
+#include "engine/pipeline/limits.h"
+#include "engine/scene/found.h"
 #include "engine/scene/names.h"
 
 namespace engine {
@@ -82,14 +84,8 @@ double smallest_scale(const Pose& pose) {
   return smallest;
 }
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 api::Violation too_far(const char* section, const std::string& name, FrameIndex frame) {
-  return {"animation.json",
+  return {kAnimationFile,
           section + api::pointer_step(name),
           0,
           0,
@@ -154,7 +150,7 @@ void survey_cameras(const Animation& animation, Survey& survey) {
   }
 }
 
-void warn(const Survey& survey, std::vector<std::string>& warnings) {
+void warn_of_poses(const Survey& survey, std::vector<std::string>& warnings) {
   const double whole = survey.everything.diagonal(), still = survey.static_things.diagonal();
   if (still > 0 && whole > kSpreadMax * still)
     warnings.push_back("moving objects make the scene " + rounded(whole) + " m large, and what never moves " +
@@ -176,7 +172,7 @@ api::Status check_poses(const Scene& scene, const Animation& animation, std::vec
   survey_sources(animation, survey);
   survey_cameras(animation, survey);
   if (survey.violations.empty()) {
-    warn(survey, warnings);
+    warn_of_poses(survey, warnings);
     return api::Done{};
   }
   if (survey.violations.size() > api::kViolationsMax) survey.violations.resize(api::kViolationsMax);

@@ -5,7 +5,7 @@
 namespace engine {
 namespace {
 
-bool load(const Checkpoints& checkpoints, KeyFrames& chosen, std::uint64_t& estimate_lines) {
+bool load_choice(const Checkpoints& checkpoints, KeyFrames& chosen, std::uint64_t& estimate_lines) {
   auto saved = checkpoints.load("key-frames");
   if (!saved || !saved->take(chosen.keys) || !saved->take(chosen.checks) ||
       !saved->take(chosen.predicted_error) || !saved->take(estimate_lines))
@@ -23,7 +23,7 @@ api::Result<KeyFrames> choose_key_frames(const LitScene& lit, const std::vector<
   KeyFrames saved;
   std::uint64_t lines = 0;
   const auto count_lines = [&] { report.counts.emplace_back("estimate_lines", static_cast<double>(lines)); };
-  if (load(checkpoints, saved, lines)) {
+  if (load_choice(checkpoints, saved, lines)) {
     count_lines();
     return saved;
   }

@@ -11,7 +11,7 @@
 namespace engine {
 namespace {
 
-constexpr std::string_view kName = "frame-by-frame";  ///< of the checkpoint
+constexpr std::string_view kFrameByFrame = "frame-by-frame";  ///< of the checkpoint
 
 struct FrameLight {
   PatchSeries radiosity_w_m2, standard_error_w_m2;  ///< [patch][one frame]
@@ -56,14 +56,14 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
 
 void save(const AloneLight& all, FrameIndex done, Checkpoints& checkpoints) {
   // One that fails costs time only if the run is killed.
-  (void)checkpoints.save(kName, {part_of_checkpoint(done), part_of_checkpoint(all.counts),
+  (void)checkpoints.save(kFrameByFrame, {part_of_checkpoint(done), part_of_checkpoint(all.counts),
                                  part_of_checkpoint(all.radiosity_w_m2.values),
                                  part_of_checkpoint(all.standard_error_w_m2.values)});
 }
 
 /// Answers the number of frames that are done, which `all`, with room for them, then holds.
-FrameIndex load(const Checkpoints& checkpoints, AloneLight& all) {
-  auto saved = checkpoints.load(kName);
+FrameIndex load_done(const Checkpoints& checkpoints, AloneLight& all) {
+  auto saved = checkpoints.load(kFrameByFrame);
   FrameIndex done = 0;
   AloneLight found = all;
   if (!saved || !saved->take(done) || !saved->take(found.counts) ||
@@ -105,7 +105,7 @@ api::Result<AloneLight> light_frame_by_frame(const LitScene& lit, const api::Lig
   AloneLight all;
   all.radiosity_w_m2 = PatchSeries(lit.patches.count(), frames);
   if (wants_errors(options)) all.standard_error_w_m2 = PatchSeries(lit.patches.count(), frames);
-  FrameIndex frame = load(checkpoints, all);
+  FrameIndex frame = load_done(checkpoints, all);
   if (frame > 0) clock.go_on_from(static_cast<double>(frame) / frames, "resumed");
   for (; frame < frames; ++frame) {
     const Animation alone = frozen(lit.animation, frame);

@@ -120,7 +120,7 @@ class DirectPass {
 };
 
 /// Takes one more pass into the mean of those before.
-void blend(const DirectLight& pass, std::uint32_t passes_before, DirectLight& mean) {
+void blend_pass(const DirectLight& pass, std::uint32_t passes_before, DirectLight& mean) {
   const float share = 1.0f / static_cast<float>(passes_before + 1);
   const float keep = 1.0f - share;
   for (std::size_t k = 0; k < mean.irradiance_w_m2.values.size(); ++k) {
@@ -224,7 +224,7 @@ api::Result<std::vector<LitGroup>> light_directly(const LitScene& lit, std::vect
       if (pass == 0)
         lit_groups[g].direct = std::move(*direct);
       else
-        blend(*direct, pass, lit_groups[g].direct);
+        blend_pass(*direct, pass, lit_groups[g].direct);
     }
     if (pass == 0 && options.target_error) {
       const double over = noise_of(lit, lit_groups, frames) / (*options.target_error / std::sqrt(2.0));

@@ -15,12 +15,6 @@ static_assert(std::uint64_t{72} * kPatchesMax + 97 * kPosesMax + std::uint64_t{1
                   std::uint64_t{4} << 30,
               "patches.npz holds 4 GiB");
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 std::string mebibytes(std::uint64_t bytes) {
   return std::to_string(bytes >> 20) + " MiB";
 }
@@ -99,6 +93,12 @@ api::Result<PatchCount> check_fine_mesh(const api::JobRequest& request, const Sc
 }
 
 }  // namespace
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
 
 std::uint64_t series_of_run(const api::LightingOptions& lighting, std::uint64_t groups) {
   const bool total = lighting.interpolated == api::Interpolated::total;

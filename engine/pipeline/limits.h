@@ -1,6 +1,8 @@
 // What one job may ask of a machine: a run stays under about 12 GiB of memory.
 #pragma once
 
+#include <string>
+
 #include "api/job_request.h"
 #include "api/result.h"
 #include "engine/animation/animation.h"
@@ -28,6 +30,9 @@ inline constexpr std::uint64_t kPosesMax = 10'000'000;
 
 /// Rays through the pixels of all images of a job. One image has 64 Mi pixels at most by its edges.
 inline constexpr double kImageSamplesMax = 2e11;
+
+/// A number in a message: three significant digits.
+std::string rounded(double value);
 
 /// What needs no mesh: poses, images. `object_count`: of the scene.
 /// Error out_of_resources with a violation in animation.json for each limit that is exceeded.

@@ -72,7 +72,7 @@ void warn_of_empty_rows(const LitScene& lit, const EmptyRows& empty, std::uint32
 }
 
 /// What a user should know of a solution that is there but poor.
-void warn(const LitScene& lit, const SolveCounts& counts, std::uint32_t replicates, api::JobReport& report) {
+void warn_of_solve(const LitScene& lit, const SolveCounts& counts, std::uint32_t replicates, api::JobReport& report) {
   if (!counts.converged)
     report.warnings.push_back("the light had not died down after " + std::to_string(counts.iterations) +
                               " bounces: reflectances near 1 make the result too dark");
@@ -162,7 +162,7 @@ api::Result<SolvedSequence> solve_alone(const LitScene& lit, const api::Lighting
   if (!light) return light.error();
   const KeyFrames chosen = all_frames(lit.animation.frame_count);
   add_counts(chosen, light->counts, report);
-  warn(lit, light->counts, replicates_of(options), report);
+  warn_of_solve(lit, light->counts, replicates_of(options), report);
   SolvedSequence solved{
       std::move(light->radiosity_w_m2), {}, report_of(chosen, options, lit.animation.frame_count)};
   if (!options.light_groups.empty())
@@ -203,7 +203,7 @@ api::Result<SolvedSequence> solve_sequence(const LitScene& lit, const api::Light
   if (!indirect) return indirect.error();
   add_counts(*chosen, indirect->counts, report);
   add_direct_counts(*lit_groups, report);
-  warn(lit, indirect->counts, indirect->irradiance_w_m2.count(), report);
+  warn_of_solve(lit, indirect->counts, indirect->irradiance_w_m2.count(), report);
 
   clock.begin(api::Stage::interpolate);
   const Composer composer(lit, options, *lit_groups, indirect->frames);

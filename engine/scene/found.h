@@ -7,6 +7,9 @@
 
 namespace engine {
 
+inline constexpr const char* kObjFile = "scene.obj";
+inline constexpr const char* kAnimationFile = "animation.json";
+
 using Violations = std::vector<api::Violation>;
 
 /// By where it was found, each list up to kViolationsMax, so that many of one kind do not hide the others.

@@ -3,19 +3,9 @@
 #include <algorithm>
 #include <system_error>
 
+#include "engine/scene/names.h"
+
 namespace engine {
-namespace {
-
-char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
-bool equal_but_for_case(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](char x, char y) { return lower(x) == lower(y); });
-}
-
-}  // namespace
 
 InputFiles list_input_files(const std::filesystem::path& folder) {
   InputFiles files{folder, {}};

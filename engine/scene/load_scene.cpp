@@ -16,9 +16,6 @@
 namespace engine {
 namespace {
 
-constexpr const char* kObj = "scene.obj";
-constexpr const char* kAnimation = "animation.json";
-
 using Objects = std::map<std::string, api::ObjectAnimation>;
 
 /// [0] is "", then the objects of animation.json in the order of the map.
@@ -32,7 +29,7 @@ std::vector<std::string> animated_names(const api::SceneDescription& description
 void check_objects(const ObjFile& obj, const std::vector<std::string>& animated, Violations& all) {
   for (std::size_t i = 1; i < animated.size() && all.size() < api::kViolationsMax; ++i) {
     if (obj.animated_seen[i]) continue;
-    all.push_back({kAnimation, "/objects/" + api::pointer_step(animated[i]), 0, 0, "unknown_object",
+    all.push_back({kAnimationFile, "/objects/" + api::pointer_step(animated[i]), 0, 0, "unknown_object",
                    "scene.obj has no object or group " + excerpt(animated[i]) +
                        did_you_mean(animated[i], obj.o_and_g_names)});
   }
@@ -45,7 +42,7 @@ void check_parents(const std::string& section, const std::map<std::string, Carri
   for (const auto& [name, carried] : all_carried) {
     const bool known = carried.parent.empty() || objects.contains(carried.parent);
     if (known || all.size() >= api::kViolationsMax) continue;
-    all.push_back({kAnimation, "/" + section + "/" + api::pointer_step(name) + "/parent", 0, 0,
+    all.push_back({kAnimationFile, "/" + section + "/" + api::pointer_step(name) + "/parent", 0, 0,
                    "unknown_parent",
                    "'objects' has no " + excerpt(carried.parent) + did_you_mean(carried.parent, animated)});
   }
@@ -60,7 +57,7 @@ void warn_about_idle_objects(const api::SceneDescription& description, Scene& sc
   for (const auto& [name, light] : description.lights) parents.insert(light.parent);
   for (std::size_t i = 1; i < used.size(); ++i)
     if (!used[i] && !parents.contains(scene.objects[i].name))
-      scene.warnings.push_back(std::string(kAnimation) + ": object " + excerpt(scene.objects[i].name) +
+      scene.warnings.push_back(std::string(kAnimationFile) + ": object " + excerpt(scene.objects[i].name) +
                                " has no faces of its own (a group that is animated too takes them)");
 }
 
@@ -85,7 +82,7 @@ void check_light(const Scene& scene, const api::SceneDescription& description, V
     if (used[i] && emits(scene.materials[i], description)) return;
   for (const auto& [name, light] : description.lights)
     if (is_ever_positive(light.intensity)) return;
-  all.push_back({kAnimation, "", 0, 0, "no_light",
+  all.push_back({kAnimationFile, "", 0, 0, "no_light",
                  "nothing emits light in any frame: give a material 'exitance_w_m2' in animation.json or Ke "
                  "in its MTL file, or add 'lights', or set 'allow_dark'"});
 }
@@ -130,13 +127,13 @@ struct Input {
 api::Result<ObjFile> read_obj(const Input& input, const std::vector<std::string>& animated, Found& found,
                               std::vector<std::string>& warnings) {
   const api::SceneDescription& description = input.description;
-  FileViolations in_obj{kObj, found.obj};
-  auto obj = read_obj_file(input.folder / kObj, animated, description.metres_per_unit, input.limits, in_obj,
-                           input.stop_requested);
+  FileViolations in_obj{kObjFile, found.obj};
+  auto obj = read_obj_file(input.folder / kObjFile, animated, description.metres_per_unit, input.limits,
+                           in_obj, input.stop_requested);
   if (!obj) return obj;
   if (input.stop_requested()) return stopped();
   if (in_obj.full()) return obj;  // its end was not reached: nothing is known to be missing
-  obj->ignored.report(kObj, warnings);
+  obj->ignored.report(kObjFile, warnings);
   if (obj->face_statements == 0)
     in_obj.add(0, 0, "no_faces", "there is no polygon ('f') in the file: nothing to light");
   check_objects(*obj, animated, found.names);
@@ -153,7 +150,7 @@ api::Status read(const Input& input, Scene& scene, Found& found) {
   if (animated.size() > input.limits.objects)
     return api::Error{api::Fault::out_of_resources,
                       "animation.json animates more objects than this service allows",
-                      {{kAnimation, "/objects", 0, 0, "limit_exceeded",
+                      {{kAnimationFile, "/objects", 0, 0, "limit_exceeded",
                         "more than " + std::to_string(input.limits.objects) + " objects"}}};
   auto obj = read_obj(input, animated, found, scene.warnings);
   if (!obj) return obj.error();
@@ -192,8 +189,8 @@ api::Result<Scene> load_scene(const std::filesystem::path& input_folder,
   settle_corner_attributes(scene);
   clean_polygons(scene);
   if (scene.polygons.empty())
-    FileViolations{kObj, found.obj}.add(0, 0, "no_faces",
-                                        "no polygon of the file has an area: nothing to light");
+    FileViolations{kObjFile, found.obj}.add(0, 0, "no_faces",
+                                            "no polygon of the file has an area: nothing to light");
   else
     check_light(scene, description, found.names);
   if (!found.is_empty()) return refused(found);

@@ -65,11 +65,6 @@ void take_texture(Tokens& words, const Token& keyword, FileViolations& violation
   material.map_kd_has_options = options;
 }
 
-bool equal_but_for_case(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](char x, char y) { return (x | 32) == (y | 32); });
-}
-
 void take_other(const Token& keyword, FileViolations& violations, IgnoredStatements& ignored) {
   for (const std::string_view read : {"newmtl", "Kd", "Ke", "map_Kd"})
     if (equal_but_for_case(keyword.text, read))

@@ -2,6 +2,8 @@
 
 #include <set>
 
+#include "engine/scene/found.h"
+
 namespace engine {
 namespace {
 
@@ -42,7 +44,7 @@ api::Result<MtlLibrary> read_mtl_library(const ObjFile& obj, const InputFiles& f
                                          const SceneLimits& limits, Violations& all,
                                          std::vector<std::string>& warnings) {
   MtlLibrary library;
-  FileViolations obj_violations{"scene.obj", all};
+  FileViolations obj_violations{kObjFile, all};
   std::set<std::filesystem::path> read;
   for (const NamedPlace& line : obj.libraries) {
     if (obj_violations.full()) break;

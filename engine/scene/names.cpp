@@ -1,5 +1,6 @@
 #include "engine/scene/names.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "api/nearest_name.h"
@@ -79,6 +80,12 @@ std::string excerpt(std::string_view bytes) {
 std::string nearest_name(std::string_view name, std::span<const std::string> known) {
   const std::vector<std::string_view> names(known.begin(), known.end());
   return std::string(api::nearest_name(name, names, kComparedBytes).value_or(""));
+}
+
+bool equal_but_for_case(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [&](char x, char y) { return lower(x) == lower(y); });
 }
 
 std::string did_you_mean(std::string_view name, std::span<const std::string> known) {

@@ -14,6 +14,9 @@ std::string utf8_name(std::string_view bytes);
 /// A piece of a file for a message, in single quotes: at most 40 bytes of it, printable UTF-8.
 std::string excerpt(std::string_view bytes);
 
+/// Without regard to the case of ASCII letters.
+bool equal_but_for_case(std::string_view a, std::string_view b);
+
 /// The entry of `known` that api::nearest_name answers, "" for none. Entries over 100 bytes are passed over.
 std::string nearest_name(std::string_view name, std::span<const std::string> known);
 

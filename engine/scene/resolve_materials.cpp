@@ -7,13 +7,12 @@
 #include <set>
 
 #include "api/pointer_step.h"
+#include "engine/scene/found.h"
 #include "engine/scene/mtl_library.h"
 
 namespace engine {
 namespace {
 
-constexpr const char* kObj = "scene.obj";
-constexpr const char* kAnimation = "animation.json";
 constexpr Rgb kDefaultReflectance{0.5f, 0.5f, 0.5f};
 constexpr double kRadianceMax = 1e12;  // its sums still fit single precision
 
@@ -156,9 +155,9 @@ void check_description(const ObjFile& obj, const MtlLibrary& library, const std:
   for (const auto& [name, settings] : description.materials) {
     if (used.contains(name)) continue;
     if (library.materials.contains(name)) {
-      warnings.push_back(std::string(kAnimation) + ": no face has the material " + excerpt(name));
+      warnings.push_back(std::string(kAnimationFile) + ": no face has the material " + excerpt(name));
     } else if (library.complete && all.size() < api::kViolationsMax) {
-      all.push_back({kAnimation, "/materials/" + api::pointer_step(name), 0, 0, "unknown_material",
+      all.push_back({kAnimationFile, "/materials/" + api::pointer_step(name), 0, 0, "unknown_material",
                      "the MTL files have no material " + excerpt(name) + did_you_mean(name, known)});
     }
   }
@@ -183,12 +182,13 @@ api::Result<ResolvedMaterials> resolve_materials(const ObjFile& obj, const Input
     const auto mtl = library->materials.find(use.name);
     const bool is_defined = mtl != library->materials.end();
     if (use.line == 0)
-      warnings.push_back(std::string(kObj) + ": faces before any usemtl get a material that reflects half");
+      warnings.push_back(std::string(kObjFile) +
+                         ": faces before any usemtl get a material that reflects half");
     else if (!is_defined && library->complete)
-      FileViolations{kObj, violations}.add(use.line, use.column, "unknown_material",
-                                           "no MTL file has the material " + excerpt(use.name) +
-                                               (obj.libraries.empty() ? "; the OBJ has no 'mtllib'" : "") +
-                                               did_you_mean(use.name, known));
+      FileViolations{kObjFile, violations}.add(
+          use.line, use.column, "unknown_material",
+          "no MTL file has the material " + excerpt(use.name) +
+              (obj.libraries.empty() ? "; the OBJ has no 'mtllib'" : "") + did_you_mean(use.name, known));
     const auto settings = description.materials.find(use.name);
     const bool is_set = settings != description.materials.end();
     auto material = material_of(use, is_defined && known_parts.settings(use.name) ? &mtl->second : nullptr,

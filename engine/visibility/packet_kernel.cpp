@@ -7,7 +7,7 @@
 namespace engine {
 namespace {
 
-void store(float (&to)[3], Vec3 v) {
+void keep(float (&to)[3], Vec3 v) {
   to[0] = v.x;
   to[1] = v.y;
   to[2] = v.z;
@@ -220,16 +220,16 @@ FacetTest facet_test(const PlacedFacet& facet, bool is_triangle, Vec3 centre) {
     const float values[6] = {along.x, along.y, along.z, about.x, about.y, about.z};
     for (int k = 0; k < 6; ++k) test.edge[e][k] = values[k];
   }
-  store(test.normal, facet.normal);
-  store(test.origin, facet.origin - centre);
+  keep(test.normal, facet.normal);
+  keep(test.origin, facet.origin - centre);
   const auto dual = [&](Vec3 edge,
                         Vec3 other) {  // the vector in the plane across `other`, as long as 1 / edge
     const Vec3 n = cross(edge, other), out = cross(other, n);
     const float size = dot(edge, out);
     return size > 0 ? out * (1.0f / size) : Vec3{};
   };
-  store(test.dual_u, dual(facet.edge_u, facet.edge_v));
-  store(test.dual_v, dual(facet.edge_v, facet.edge_u));
+  keep(test.dual_u, dual(facet.edge_u, facet.edge_v));
+  keep(test.dual_v, dual(facet.edge_v, facet.edge_u));
   return test;
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kManifestBytesMax = 64u << 20;
 constexpr std::size_t kArtefactsMax = 100'000;
 constexpr std::size_t kPathBytesMax = 4096;
-constexpr std::uint64_t kFileBytesMax = std::uint64_t{1} << 50;
+constexpr std::uint64_t kHashedBytesMax = std::uint64_t{1} << 50;
 
 std::optional<std::string> text_of_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -31,7 +31,7 @@ bool is_as_written(const api::Node& entry, const std::filesystem::path& artefact
   if (!path || !bytes || !sha256) return false;
   const auto name = api::text(*path, kPathBytesMax);
   const auto digest = digest_file(artefacts / name.value_or(""));
-  return name && digest && api::whole(*bytes, 0, kFileBytesMax) == digest->bytes &&
+  return name && digest && api::whole(*bytes, 0, kHashedBytesMax) == digest->bytes &&
          api::text(*sha256, digest->sha256.size()) == digest->sha256;
 }
 

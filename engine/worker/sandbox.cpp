@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr rlim_t kOpenFilesMax = 1024;
-constexpr rlim_t kFileBytesMax = rlim_t{1} << 38;  // radiosity of ten thousand frames, with room
+constexpr rlim_t kAnyFileBytesMax = rlim_t{1} << 38;  // radiosity of ten thousand frames, with room
 // Of the user, not of the process: far above what a desktop has, and still an end to a fork bomb where the
 // kernel has no filters.
 constexpr rlim_t kTasksMax = 8192;
@@ -80,7 +80,7 @@ bool lower(decltype(RLIMIT_CPU) resource, rlim_t most) {
 
 bool set_limits() {
   signal(SIGXFSZ, SIG_IGN);  // the write fails with EFBIG instead
-  return lower(RLIMIT_CORE, 0) && lower(RLIMIT_NOFILE, kOpenFilesMax) && lower(RLIMIT_FSIZE, kFileBytesMax) &&
+  return lower(RLIMIT_CORE, 0) && lower(RLIMIT_NOFILE, kOpenFilesMax) && lower(RLIMIT_FSIZE, kAnyFileBytesMax) &&
          lower(RLIMIT_NPROC, kTasksMax);
 }
 

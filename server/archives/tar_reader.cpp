@@ -13,7 +13,7 @@ constexpr std::int64_t kBlockBytes = 512;
 constexpr std::int64_t kPieceBytes = 64 << 10;
 constexpr std::int64_t kHeaderBytesMax = 64 << 10;  // of a pax header or a long name
 
-api::Error broken(std::string_view entry, std::string_view detail) {
+api::Error broken_tar(std::string_view entry, std::string_view detail) {
   return archive_refusal(entry, "bad_archive", detail);
 }
 
@@ -54,10 +54,10 @@ api::Result<std::optional<std::string>> path_of_pax(std::string_view records) {
     const auto digits = static_cast<std::size_t>(parsed.ptr - records.data());
     if (parsed.ec != std::errc() || length > records.size() || length < digits + 3 ||
         records[digits] != ' ' || records[length - 1] != '\n')
-      return broken("", "has a broken pax header");
+      return broken_tar("", "has a broken pax header");
     const std::string_view record = records.substr(digits + 1, length - digits - 2);
     const std::size_t equals = record.find('=');
-    if (equals == record.npos) return broken("", "has a broken pax header");
+    if (equals == record.npos) return broken_tar("", "has a broken pax header");
     const std::string_view key = record.substr(0, equals);
     if (key == "path") path = record.substr(equals + 1);
     if (key == "size" || key == "linkpath" || key.starts_with("GNU.sparse"))
@@ -76,7 +76,7 @@ class TarReader {
   api::Status read() {
     for (;;) {
       const std::string block = read_at(archive_, at_, kBlockBytes);
-      if (block.empty()) return broken("", "has no end: it was cut");
+      if (block.empty()) return broken_tar("", "has no end: it was cut");
       at_ += kBlockBytes;
       if (block.find_first_not_of('\0') == block.npos) return end();
       if (const api::Status taken = take(block); !taken) return taken;
@@ -85,7 +85,7 @@ class TarReader {
 
  private:
   api::Status end() const {
-    if (long_name_) return broken("", "ends after a long name");
+    if (long_name_) return broken_tar("", "ends after a long name");
     return api::Done{};
   }
 
@@ -93,8 +93,8 @@ class TarReader {
     const std::string name = name_in(block);
     const auto bytes = octal_at(block, 124, 12);
     if (block.substr(257, 5) != "ustar" || !has_right_checksum(block) || !bytes)
-      return broken(name, "has a broken header");
-    if (*bytes > size_ - at_) return broken(name, "reaches beyond the archive");
+      return broken_tar(name, "has a broken header");
+    if (*bytes > size_ - at_) return broken_tar(name, "reaches beyond the archive");
     if (const api::Status counted = keeper_.count(); !counted) return counted;
     const char type = block[156];
     api::Status taken =
@@ -118,7 +118,7 @@ class TarReader {
   }
 
   api::Status take_long_name(char type, std::int64_t bytes) {
-    if (bytes > kHeaderBytesMax || long_name_) return broken("", "has a header of unreasonable length");
+    if (bytes > kHeaderBytesMax || long_name_) return broken_tar("", "has a header of unreasonable length");
     const std::string text = read_at(archive_, at_, static_cast<std::size_t>(bytes));
     if (type == 'L') {
       long_name_ = text.substr(0, text.find('\0'));
@@ -136,7 +136,7 @@ class TarReader {
     for (std::int64_t done = 0; done < bytes;) {
       const auto wanted = static_cast<std::size_t>(std::min(kPieceBytes, bytes - done));
       const std::string piece = read_at(archive_, at_ + done, wanted);
-      if (piece.empty()) return broken(name, "ends early");
+      if (piece.empty()) return broken_tar(name, "ends early");
       if (const api::Status taken = keeper_.take(piece); !taken) return taken;
       done += static_cast<std::int64_t>(wanted);
     }

@@ -17,7 +17,7 @@ constexpr std::size_t kCommentBytesMax = 65535;
 constexpr std::size_t kCentralBytes = 46;
 constexpr std::size_t kLocalBytes = 30;
 constexpr std::int64_t kDirectoryBytesMax = 1 << 20;
-constexpr std::size_t kPieceBytes = 64 << 10;
+constexpr std::size_t kZipPieceBytes = 64 << 10;
 constexpr std::uint32_t kZip64 = 0xFFFFFFFF;
 constexpr unsigned kUnix = 3;
 constexpr unsigned kFileType = 0170000, kRegular = 0100000, kFolder = 0040000;
@@ -53,7 +53,7 @@ struct Directory {
   std::size_t entries = 0;
 };
 
-api::Error broken(std::string_view entry, std::string_view detail) {
+api::Error broken_zip(std::string_view entry, std::string_view detail) {
   return archive_refusal(entry, "bad_archive", detail);
 }
 
@@ -74,21 +74,21 @@ api::Result<Directory> find_directory(const FileHandle& archive, std::int64_t si
     if (found.bytes > kDirectoryBytesMax)
       return archive_refusal("", "too_many", "has a directory beyond reason");
     if (found.at + found.bytes != size - static_cast<std::int64_t>(record.size()))
-      return broken("", "has bytes before or after it, or was cut");
+      return broken_zip("", "has bytes before or after it, or was cut");
     return found;
   }
-  return broken("", "has no end: it was cut, or bytes follow it");
+  return broken_zip("", "has no end: it was cut, or bytes follow it");
 }
 
 /// Takes one record off the front of the directory.
 api::Result<Entry> take_entry(std::string_view& directory) {
   if (directory.size() < kCentralBytes || !directory.starts_with("PK\x01\x02"))
-    return broken("", "has a directory that ends early");
+    return broken_zip("", "has a directory that ends early");
   const std::string_view record = directory;
   Entry entry;
   const std::size_t name_bytes = u16(record, 28);
   const std::size_t whole = kCentralBytes + name_bytes + u16(record, 30) + u16(record, 32);
-  if (directory.size() < whole) return broken("", "has a directory that ends early");
+  if (directory.size() < whole) return broken_zip("", "has a directory that ends early");
   entry.name = record.substr(kCentralBytes, name_bytes);
   entry.flags = u16(record, 8);
   entry.method = u16(record, 10);
@@ -115,7 +115,7 @@ api::Status check_kind(const Entry& entry) {
   if (entry.is_folder() && entry.bytes != 0)
     return archive_refusal(entry.name, "not_a_file", "is a folder that holds bytes");
   if (entry.method == 0 && entry.bytes != entry.stored_bytes)
-    return broken(entry.name, "is stored as it is, and yet has two sizes");
+    return broken_zip(entry.name, "is stored as it is, and yet has two sizes");
   return api::Done{};
 }
 
@@ -123,19 +123,19 @@ api::Status check_kind(const Entry& entry) {
 api::Status locate(const FileHandle& archive, std::int64_t directory_at, Entry& entry) {
   const std::string header = read_at(archive, entry.header_at, kLocalBytes);
   if (header.empty() || !header.starts_with("PK\x03\x04"))
-    return broken(entry.name, "is not where it should be");
+    return broken_zip(entry.name, "is not where it should be");
   const std::size_t name_bytes = u16(header, 26);
   entry.data_at = entry.header_at + static_cast<std::int64_t>(kLocalBytes + name_bytes + u16(header, 28));
   if (entry.data_at + entry.stored_bytes > directory_at)
-    return broken(entry.name, "reaches beyond the archive");
+    return broken_zip(entry.name, "reaches beyond the archive");
   if (name_bytes != entry.name.size() ||
       (name_bytes > 0 &&
        read_at(archive, entry.header_at + static_cast<std::int64_t>(kLocalBytes), name_bytes) != entry.name))
-    return broken(entry.name, "has two names");
-  if (u16(header, 8) != entry.method) return broken(entry.name, "has two methods");
+    return broken_zip(entry.name, "has two names");
+  if (u16(header, 8) != entry.method) return broken_zip(entry.name, "has two methods");
   const bool sizes_follow = (u16(header, 6) & 8u) != 0;  // behind the bytes, where nobody needs them
   if (!sizes_follow && (u32(header, 18) != entry.stored_bytes || u32(header, 22) != entry.bytes))
-    return broken(entry.name, "has two sizes");
+    return broken_zip(entry.name, "has two sizes");
   return api::Done{};
 }
 
@@ -147,7 +147,7 @@ api::Status refuse_overlaps(const std::vector<Entry>& entries) {
             [](const Entry* a, const Entry* b) { return a->header_at < b->header_at; });
   for (std::size_t i = 1; i < by_place.size(); ++i)
     if (by_place[i]->header_at < by_place[i - 1]->data_at + by_place[i - 1]->stored_bytes)
-      return broken(by_place[i]->name, "overlaps '" + by_place[i - 1]->name + "'");
+      return broken_zip(by_place[i]->name, "overlaps '" + by_place[i - 1]->name + "'");
   return api::Done{};
 }
 
@@ -158,13 +158,13 @@ class Output {
 
   api::Status take(std::string_view bytes) {
     count_ += static_cast<std::int64_t>(bytes.size());
-    if (count_ > entry_.bytes) return broken(entry_.name, "is larger than it says");
+    if (count_ > entry_.bytes) return broken_zip(entry_.name, "is larger than it says");
     crc_ = crc32_z(crc_, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
     return keeper_.take(bytes);
   }
   api::Status finish() const {
-    if (count_ != entry_.bytes) return broken(entry_.name, "is smaller than it says");
-    if (crc_ != entry_.crc) return broken(entry_.name, "has a wrong checksum");
+    if (count_ != entry_.bytes) return broken_zip(entry_.name, "is smaller than it says");
+    if (crc_ != entry_.crc) return broken_zip(entry_.name, "has a wrong checksum");
     return api::Done{};
   }
 
@@ -188,12 +188,12 @@ class Inflater {
     stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
     stream_.avail_in = static_cast<uInt>(bytes.size());
     do {
-      if (!ready_ || ended_) return broken(entry.name, "has bytes behind its end");
+      if (!ready_ || ended_) return broken_zip(entry.name, "has bytes behind its end");
       stream_.next_out = piece_.data();
       stream_.avail_out = static_cast<uInt>(piece_.size());
       const int answer = inflate(&stream_, Z_NO_FLUSH);
       if (answer != Z_OK && answer != Z_STREAM_END && answer != Z_BUF_ERROR)
-        return broken(entry.name, "cannot be decompressed");
+        return broken_zip(entry.name, "cannot be decompressed");
       const std::string_view out(reinterpret_cast<const char*>(piece_.data()),
                                  piece_.size() - stream_.avail_out);
       if (const api::Status taken = output.take(out); !taken) return taken;
@@ -205,7 +205,7 @@ class Inflater {
 
  private:
   z_stream stream_{};
-  std::array<Bytef, kPieceBytes> piece_;
+  std::array<Bytef, kZipPieceBytes> piece_;
   bool ready_ = false;
   bool ended_ = false;
 };
@@ -215,14 +215,14 @@ api::Status copy_entry(const FileHandle& archive, const Entry& entry, EntryKeepe
   const auto inflater = entry.method == 8 ? std::make_unique<Inflater>() : nullptr;
   for (std::int64_t done = 0; done < entry.stored_bytes;) {
     const auto wanted =
-        static_cast<std::size_t>(std::min<std::int64_t>(kPieceBytes, entry.stored_bytes - done));
+        static_cast<std::size_t>(std::min<std::int64_t>(kZipPieceBytes, entry.stored_bytes - done));
     const std::string piece = read_at(archive, entry.data_at + done, wanted);
-    if (piece.empty()) return broken(entry.name, "ends early");
+    if (piece.empty()) return broken_zip(entry.name, "ends early");
     done += static_cast<std::int64_t>(piece.size());
     const api::Status taken = inflater ? inflater->feed(piece, entry, output) : output.take(piece);
     if (!taken) return taken;
   }
-  if (inflater && !inflater->ended()) return broken(entry.name, "ends early");
+  if (inflater && !inflater->ended()) return broken_zip(entry.name, "ends early");
   return output.finish();
 }
 
@@ -241,7 +241,7 @@ api::Result<std::vector<Entry>> read_directory(const FileHandle& archive, std::i
     if (const api::Status found_it = locate(archive, found->at, *entry); !found_it) return found_it.error();
     entries.push_back(std::move(*entry));
   }
-  if (entries.size() != found->entries) return broken("", "has another number of entries than it says");
+  if (entries.size() != found->entries) return broken_zip("", "has another number of entries than it says");
   if (const api::Status apart = refuse_overlaps(entries); !apart) return apart.error();
   return entries;
 }

@@ -13,7 +13,7 @@ namespace server {
 namespace {
 
 constexpr std::int64_t kHalfBytes = 2;
-constexpr std::int64_t kBlock = 32'768;  ///< values that are converted at once: they stay in the cache
+constexpr std::int64_t kValuesAtOnce = 32'768;  ///< values that are converted at once: they stay in the cache
 
 }  // namespace
 
@@ -34,7 +34,7 @@ api::Result<HalfBody> HalfBody::of(FileHandle radiosity, double scale) {
 std::int64_t HalfBody::read(std::int64_t at, char* to, std::int64_t size) {
   const std::int64_t first = at / kHalfBytes, skipped = at % kHalfBytes;
   const std::int64_t left = bytes_ / kHalfBytes - first;
-  const std::int64_t count = std::min({kBlock, left, (skipped + size + kHalfBytes - 1) / kHalfBytes});
+  const std::int64_t count = std::min({kValuesAtOnce, left, (skipped + size + kHalfBytes - 1) / kHalfBytes});
   floats_.resize(static_cast<std::size_t>(count));
   halves_.resize(static_cast<std::size_t>(count));
   const std::uint64_t from = offset_ + sizeof(float) * static_cast<std::uint64_t>(first);

@@ -13,19 +13,19 @@
 namespace server {
 namespace {
 
-constexpr std::int64_t kBlock = 512;
+constexpr std::int64_t kTarBlockBytes = 512;
 constexpr std::size_t kNameMax = 100;
 constexpr std::int64_t kSizeMax = std::int64_t{1} << 33;  // 11 octal digits
 
 std::int64_t padded(std::int64_t bytes) {
-  return (bytes + kBlock - 1) / kBlock * kBlock;
+  return (bytes + kTarBlockBytes - 1) / kTarBlockBytes * kTarBlockBytes;
 }
 
 struct Field {
   std::size_t at, size;
 };
 constexpr Field kName{0, 100}, kMode{100, 8}, kUser{108, 8}, kGroup{116, 8}, kSize{124, 12}, kTime{136, 12},
-    kSum{148, 8}, kType{156, 1}, kMagic{257, 8};
+    kSum{148, 8}, kType{156, 1}, kFormat{257, 8};
 
 void put(std::string& block, Field field, std::string_view text) {
   text = text.substr(0, field.size);
@@ -40,7 +40,7 @@ void put_octal(std::string& block, Field field, std::int64_t value) {
 }
 
 std::string block_of(std::string_view name, std::int64_t bytes, char type, std::int64_t time_s) {
-  std::string block(kBlock, '\0');
+  std::string block(kTarBlockBytes, '\0');
   put(block, kName, name);
   put_octal(block, kMode, 0644);
   put_octal(block, kUser, 0);
@@ -48,7 +48,7 @@ std::string block_of(std::string_view name, std::int64_t bytes, char type, std::
   put_octal(block, kSize, bytes < kSizeMax ? bytes : 0);
   put_octal(block, kTime, time_s);
   put(block, kType, std::string_view(&type, 1));
-  put(block, kMagic, std::string_view("ustar\00000", 8));
+  put(block, kFormat, std::string_view("ustar\00000", 8));
   put(block, kSum, "        ");
   unsigned sum = 0;
   for (const char c : block) sum += static_cast<unsigned char>(c);
@@ -92,7 +92,7 @@ TarBody::TarBody(std::vector<TarEntry> entries, std::int64_t time_s)
     begins_.push_back(size_);
     size_ += static_cast<std::int64_t>(header_of(entry).size()) + padded(entry.bytes);
   }
-  size_ += 2 * kBlock;  // the end
+  size_ += 2 * kTarBlockBytes;  // the end
 }
 
 std::int64_t TarBody::read_entry(std::size_t index, std::int64_t at, char* to, std::int64_t size) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kBase64Url = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
 constexpr std::string_view kStart = "kl_";
-constexpr std::size_t kSecretBytes = 32;
+constexpr std::size_t kSecretPartBytes = 32;
 
 bool is_alphanumeric(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
@@ -32,7 +32,7 @@ std::string base64url(const unsigned char* bytes, std::size_t count) {
 
 api::Result<std::string> new_token_text() {
   // The prefix takes 6 bits a byte and leaves out '-' and '_': 64 bytes hold 8 such, but for one in 10^50.
-  std::array<unsigned char, 64 + kSecretBytes> bytes{};
+  std::array<unsigned char, 64 + kSecretPartBytes> bytes{};
   if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
     return api::Error{api::Fault::internal, "the system has no random bytes"};
   std::string prefix;
@@ -41,7 +41,7 @@ api::Result<std::string> new_token_text() {
     if (is_alphanumeric(c)) prefix += c;
   }
   if (prefix.size() != kPrefixChars) return api::Error{api::Fault::internal, "the random bytes are none"};
-  return std::string(kStart) + prefix + "_" + base64url(bytes.data() + 64, kSecretBytes);
+  return std::string(kStart) + prefix + "_" + base64url(bytes.data() + 64, kSecretPartBytes);
 }
 
 std::optional<std::string> prefix_of(std::string_view text) {

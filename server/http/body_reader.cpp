@@ -7,7 +7,7 @@
 namespace server {
 namespace {
 
-constexpr std::size_t kPieceBytes = 64 << 10;
+constexpr std::size_t kReadPieceBytes = 64 << 10;
 constexpr std::size_t kChunkLineBytesMax = 1024;  // a chunk's size and what some write behind it; a trailer
 constexpr std::size_t kTrailerLinesMax = 100;
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -64,7 +64,7 @@ bool BodyReader::read_chunks(const Take& take) {
 bool BodyReader::read_bytes(std::int64_t count, const Take& take) {
   too_large_ = count > bytes_max_ - bytes_;
   if (too_large_) return false;
-  std::array<char, kPieceBytes> piece;
+  std::array<char, kReadPieceBytes> piece;
   while (count > 0) {
     const ssize_t got = receive(
         piece.data(), static_cast<std::size_t>(std::min<std::int64_t>(count, std::int64_t{piece.size()})));

@@ -14,21 +14,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Kind {
+struct MediaType {
   std::string_view ending;
   std::string_view content_type;
 };
 
-constexpr std::array kKinds{
-    Kind{".html", "text/html; charset=utf-8"},
-    Kind{".js", "text/javascript; charset=utf-8"},
-    Kind{".css", "text/css; charset=utf-8"},
-    Kind{".json", "application/json"},
-    Kind{".svg", "image/svg+xml"},
-    Kind{".png", "image/png"},
-    Kind{".jpg", "image/jpeg"},
-    Kind{".obj", "model/obj"},
-    Kind{".mtl", "model/mtl"},
+constexpr std::array kMediaTypes{
+    MediaType{".html", "text/html; charset=utf-8"},
+    MediaType{".js", "text/javascript; charset=utf-8"},
+    MediaType{".css", "text/css; charset=utf-8"},
+    MediaType{".json", "application/json"},
+    MediaType{".svg", "image/svg+xml"},
+    MediaType{".png", "image/png"},
+    MediaType{".jpg", "image/jpeg"},
+    MediaType{".obj", "model/obj"},
+    MediaType{".mtl", "model/mtl"},
 };
 
 api::Error wrong(const fs::path& path, const std::string& what) {
@@ -95,7 +95,7 @@ class Reader {
 }  // namespace
 
 std::string_view dashboard_content_type(std::string_view name) {
-  for (const Kind& kind : kKinds)
+  for (const MediaType& kind : kMediaTypes)
     if (name.ends_with(kind.ending) && name.size() > kind.ending.size()) return kind.content_type;
   return {};
 }

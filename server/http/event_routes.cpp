@@ -19,7 +19,7 @@ using SteadyClock = std::chrono::steady_clock;
 constexpr std::int64_t kPageEvents = 100;
 constexpr std::chrono::seconds kPingEvery{15};
 // How long a client that has gone, or a server that is to stop, may stay unnoticed.
-constexpr std::chrono::seconds kLookUp{1};
+constexpr std::chrono::seconds kHubLookUp{1};
 
 bool is_final_state(std::string_view name) {
   const auto state = api::job_state_named(name);
@@ -79,7 +79,7 @@ class EventStream {
   bool next(std::string& piece) {
     if (!begun_) piece = "retry: 3000\n\n";
     begun_ = true;
-    seen_ = hub_.wait(seen_, kLookUp);
+    seen_ = hub_.wait(seen_, kHubLookUp);
     if (hub_.stopped()) return false;
     if (!may_go_on(piece)) return false;
     const auto page = next_page();

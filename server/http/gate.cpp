@@ -64,7 +64,7 @@ HttpAnswer not_known(const HttpRequest& request, bool brought_one) {
   return answer;
 }
 
-HttpAnswer not_allowed(const HttpRequest& request, Scope scope) {
+HttpAnswer scope_not_allowed(const HttpRequest& request, Scope scope) {
   HttpAnswer answer =
       problem(403, "the token '" + request.owner + "' has not the scope " + std::string(name_of(scope)),
               request.path);
@@ -175,7 +175,7 @@ std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
   if (brought->by_cookie && writes && !request.header("Origin"))
     return problem(403, "a request with the login's cookie that changes something needs its Origin",
                    request.path);
-  if (!token->scopes.has(*wanted)) return not_allowed(request, *wanted);
+  if (!token->scopes.has(*wanted)) return scope_not_allowed(request, *wanted);
   return std::nullopt;
 }
 

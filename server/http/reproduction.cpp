@@ -66,7 +66,7 @@ Json list_of(const std::vector<HashedFile>& files) {
   return list;
 }
 
-std::string json_of(const Job& job, const Reproduction& reproduction, const Lighting& lighting) {
+std::string json_of_reproduction(const Job& job, const Reproduction& reproduction, const Lighting& lighting) {
   const auto report = api::parse_job_report(job.report);
   Json json{
       {"keylume", KEYLUME_VERSION},
@@ -98,7 +98,7 @@ api::Result<Reproduction> reproduction_of(JobService& jobs, const Job& job) {
   reproduction.inputs = std::move(*inputs);
   const auto lighting = lighting_of(jobs.folder_of(job) / "input");
   if (!lighting) return api::Error{api::Fault::internal, lighting.error().message};
-  reproduction.json = json_of(job, reproduction, *lighting);
+  reproduction.json = json_of_reproduction(job, reproduction, *lighting);
   reproduction.sums = sha256_of(reproduction.json) + "  reproduce.json\n";
   add_sums(reproduction.sums, "input", reproduction.inputs);
   add_sums(reproduction.sums, "artefacts", reproduction.artefacts);

@@ -9,7 +9,7 @@
 namespace server {
 namespace {
 
-constexpr std::string_view kLineEnd = "\r\n";
+constexpr std::string_view kHeadLineEnd = "\r\n";
 
 bool is_token(std::string_view text) {
   constexpr std::string_view kMarks = "!#$%&'*+-.^_`|~";
@@ -188,7 +188,7 @@ std::optional<std::string> RequestHead::field(std::string_view name) const {
 
 ParsedHead parse_head(std::string_view text) {
   // Some clients end a body with a line of its own, before the next request (RFC 9112, section 2.2).
-  if (text.starts_with(kLineEnd)) text.remove_prefix(kLineEnd.size());
+  if (text.starts_with(kHeadLineEnd)) text.remove_prefix(kHeadLineEnd.size());
   return Parser(text).parse();
 }
 

@@ -12,9 +12,9 @@ namespace {
 
 using api::Json;
 
-constexpr std::string_view kRetryAfterSeconds = "1";
+constexpr std::string_view kViewAfterSeconds = "1";
 
-std::string path_of(const Job& job, const View& view) {
+std::string path_of_view(const Job& job, const View& view) {
   return "/v1/jobs/" + job.id + "/views/" + view.name;
 }
 
@@ -31,7 +31,7 @@ std::string waits_for(MadeState state, const api::Error& error) {
   return "the disk of the service is full; it is made when there is room";
 }
 
-Json json_of(const Job& job, const View& view, bool with_files) {
+Json json_of_view(const Job& job, const View& view, bool with_files) {
   Json json{{"id", view.name}, {"state", name_of(view.state)}};
   if (const auto request = api::parse_json(view.request_json, "view.json")) json["request"] = Json(*request);
   if (view.state == MadeState::failed) {
@@ -44,19 +44,19 @@ Json json_of(const Job& job, const View& view, bool with_files) {
   if (with_files && view.state == MadeState::ready) {
     Json files = Json::array();
     for (const ArtefactFile& file : view.files)
-      files.push_back({{"href", path_of(job, view) + "/frames/" + file_for_client(file.path)},
+      files.push_back({{"href", path_of_view(job, view) + "/frames/" + file_for_client(file.path)},
                        {"bytes", file.bytes},
                        {"sha256", file.sha256}});
     json["files"] = std::move(files);
   }
-  json["links"] = {{"self", path_of(job, view)}};
+  json["links"] = {{"self", path_of_view(job, view)}};
   return json;
 }
 
 HttpAnswer view_answer(const Job& job, const View& view, int status) {
-  HttpAnswer answer = json_answer(api::json_text(json_of(job, view, true)), status);
+  HttpAnswer answer = json_answer(api::json_text(json_of_view(job, view, true)), status);
   if (view.state == MadeState::waiting || view.state == MadeState::making)
-    answer.headers.emplace_back("Retry-After", kRetryAfterSeconds);
+    answer.headers.emplace_back("Retry-After", kViewAfterSeconds);
   return answer;
 }
 
@@ -73,7 +73,7 @@ HttpAnswer create_view(ViewService& views, JobService& jobs, const Job& job, con
   const auto view = views.ask(job, *asked);
   if (!view) return problem(view.error(), request.path);
   HttpAnswer answer = view_answer(job, *view, view->state == MadeState::ready ? 200 : 202);
-  answer.headers.emplace_back("Location", path_of(job, *view));
+  answer.headers.emplace_back("Location", path_of_view(job, *view));
   return answer;
 }
 
@@ -81,7 +81,7 @@ HttpAnswer create_view(ViewService& views, JobService& jobs, const Job& job, con
 HttpAnswer list_views(ViewService& views, const Job& job) {
   Json list = Json::array();
   for (const std::string& name : views.names(job))
-    if (const auto view = views.view(job, name)) list.push_back(json_of(job, *view, false));
+    if (const auto view = views.view(job, name)) list.push_back(json_of_view(job, *view, false));
   return json_answer(api::json_text({{"views", std::move(list)}}));
 }
 
@@ -110,7 +110,7 @@ HttpAnswer view_frame(ViewService& views, const Job& job, const HttpRequest& req
   if (view->state != MadeState::ready) {
     HttpAnswer answer =
         problem(404, "not made yet: the view is " + std::string(name_of(view->state)), request.path);
-    answer.headers.emplace_back("Retry-After", kRetryAfterSeconds);
+    answer.headers.emplace_back("Retry-After", kViewAfterSeconds);
     return answer;
   }
   const std::string& file = values.at("file");
@@ -149,7 +149,7 @@ HttpAnswer video(ViewService& views, JobService& jobs, const Job& job, const Htt
     Json json{{"state", name_of(made->state)}};
     if (const std::string why = waits_for(made->state, made->error); !why.empty()) json["error"] = why;
     HttpAnswer answer = json_answer(api::json_text(json), 202);
-    answer.headers.emplace_back("Retry-After", kRetryAfterSeconds);
+    answer.headers.emplace_back("Retry-After", kViewAfterSeconds);
     return answer;
   }
   auto opened = open_below(views.videos_of(job), made->file);

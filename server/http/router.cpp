@@ -46,7 +46,7 @@ void name_what_may_be_polled(HttpAnswer& answer) {
     answer.etag = sha256_of(answer.body);
 }
 
-HttpAnswer not_allowed(const HttpRequest& request, const std::set<std::string>& methods) {
+HttpAnswer method_not_allowed(const HttpRequest& request, const std::set<std::string>& methods) {
   std::string allow;
   for (const std::string& method : methods) allow += (allow.empty() ? "" : ", ") + method;
   HttpAnswer answer = problem(405, request.method + " is not possible here, only " + allow, request.path);
@@ -119,7 +119,7 @@ HttpAnswer Router::answer(const HttpRequest& request) const {
     other_methods.insert(route.method);
     if (route.method == "GET") other_methods.insert("HEAD");
   }
-  if (!other_methods.empty()) return not_allowed(request, other_methods);
+  if (!other_methods.empty()) return method_not_allowed(request, other_methods);
   std::string_view shorter = request.path;
   if (shorter.ends_with('/')) shorter.remove_suffix(1);
   const bool known = std::any_of(routes_.begin(), routes_.end(),

@@ -14,13 +14,13 @@ namespace {
 constexpr std::string_view kArchive = "archive";
 constexpr std::string_view kOptionsFile = "options.json";
 
-struct Kind {
+struct EntryKind {
   std::string_view ending;  ///< of the name, in lower case
   std::string_view field;   ///< of the part that such a file would be sent as
 };
-constexpr std::array kKinds{
-    Kind{".obj", "scene"},    Kind{".mtl", "materials"}, Kind{"animation.json", "animation"},
-    Kind{".png", "textures"}, Kind{".jpg", "textures"},  Kind{".jpeg", "textures"},
+constexpr std::array kEntryKinds{
+    EntryKind{".obj", "scene"},    EntryKind{".mtl", "materials"}, EntryKind{"animation.json", "animation"},
+    EntryKind{".png", "textures"}, EntryKind{".jpg", "textures"},  EntryKind{".jpeg", "textures"},
 };
 
 std::string lower_case(std::string_view text) {
@@ -32,7 +32,7 @@ std::string lower_case(std::string_view text) {
 
 /// None: a file that is no part of a job.
 std::string_view field_of(const std::string& base_name) {
-  for (const Kind& kind : kKinds)
+  for (const EntryKind& kind : kEntryKinds)
     if (base_name.ends_with(kind.ending) && (kind.ending[0] == '.' || base_name == kind.ending))
       return kind.field;
   return {};

@@ -11,7 +11,7 @@
 namespace server {
 namespace {
 
-constexpr std::size_t kPieceBytes = 64 * 1024;
+constexpr std::size_t kHashedPieceBytes = 64 * 1024;
 
 api::Error unknown_blob(std::size_t index, const api::JobFile& file) {
   const std::string detail =
@@ -39,7 +39,7 @@ std::optional<HttpAnswer> reserve_room(const HttpRequest& request, JobService& j
 
 /// False: the receiver has had enough, or the file cannot be read.
 bool hand_over(const FileHandle& file, UploadReceiver& receiver, int& read_error) {
-  std::array<char, kPieceBytes> piece;
+  std::array<char, kHashedPieceBytes> piece;
   for (;;) {
     const ssize_t count = ::read(file.get(), piece.data(), piece.size());
     if (count < 0 && errno == EINTR) continue;

@@ -18,9 +18,9 @@ namespace server {
 namespace {
 
 constexpr std::size_t kNameBytesMax = 200;
-constexpr std::size_t kShownBytesMax = 64;        // of a name that means nothing to us
-constexpr std::string_view kOptions = "options";  // a part without a file
-constexpr std::string_view kArchive = "archive";  // one that holds the others
+constexpr std::size_t kShownBytesMax = 64;             // of a name that means nothing to us
+constexpr std::string_view kOptions = "options";       // a part without a file
+constexpr std::string_view kArchiveField = "archive";  // one that holds the others
 constexpr std::array<std::string_view, 2> kReservedNames{"scene.obj", "animation.json"};
 
 struct Field {
@@ -151,7 +151,7 @@ bool UploadReceiver::begin_part(std::string_view field, std::string_view file_na
   if (refusal_ || !close_file()) return false;
   in_options_ = in_archive_ = false;
   if (field == kOptions) return begin_options();
-  if (field == kArchive) return begin_archive();
+  if (field == kArchiveField) return begin_archive();
   if (file_name.empty() && hint_.empty())
     hint_ = "The part '" + std::string(field) + "' came without a file name; send it as a file: -F " +
             std::string(field) + "=@FILE";
@@ -186,7 +186,7 @@ bool UploadReceiver::take(std::string_view bytes) {
   if (in_archive_) {
     total_bytes_ += static_cast<std::int64_t>(bytes.size());
     if (total_bytes_ > limits_.total_bytes)
-      return refuse_part(kArchive, "too_large",
+      return refuse_part(kArchiveField, "too_large",
                          "the upload is larger than " + std::to_string(limits_.total_bytes) + " bytes", 413);
     return write(bytes);
   }

@@ -5,14 +5,16 @@
 namespace server {
 namespace {
 
-constexpr std::array kBoundsSeconds{0.001, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0, 60.0};
+constexpr std::array kRequestBoundsSeconds{0.001, 0.005, 0.01, 0.025, 0.05, 0.1,
+                                           0.25,  0.5,   1.0,  2.5,   10.0, 60.0};
 
 }  // namespace
 
 void HttpMetrics::count(std::string_view route, int status, double seconds) {
   const std::lock_guard lock(mutex_);
   auto known = seconds_.find(route);
-  if (known == seconds_.end()) known = seconds_.emplace(std::string(route), Histogram(kBoundsSeconds)).first;
+  if (known == seconds_.end())
+    known = seconds_.emplace(std::string(route), Histogram(kRequestBoundsSeconds)).first;
   known->second.add(seconds);
   ++requests_[known->first][status];
 }

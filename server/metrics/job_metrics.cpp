@@ -6,7 +6,8 @@
 namespace server {
 namespace {
 
-constexpr std::array kBoundsSeconds{0.01, 0.1, 1.0, 5.0, 15.0, 60.0, 300.0, 900.0, 3600.0, 14400.0, 86400.0};
+constexpr std::array kJobBoundsSeconds{0.01,  0.1,   1.0,    5.0,     15.0,   60.0,
+                                       300.0, 900.0, 3600.0, 14400.0, 86400.0};
 // Jobs that wait are limited too; this only bounds what a mistake could do.
 constexpr std::size_t kJobsMax = 100'000;
 
@@ -17,7 +18,7 @@ double seconds_between(std::int64_t from_ms, std::int64_t to_ms) {
 
 }  // namespace
 
-JobMetrics::JobMetrics() : wait_seconds_(kBoundsSeconds) {}
+JobMetrics::JobMetrics() : wait_seconds_(kJobBoundsSeconds) {}
 
 void JobMetrics::take(const JobEvent& event) {
   if (event.to == kRemoved) return;
@@ -47,7 +48,7 @@ void JobMetrics::end(const JobEvent& event) {
   queued_ms_.erase(event.job_seq);
   const auto started = started_ms_.find(event.job_seq);
   if (started == started_ms_.end()) return;
-  run_seconds_.try_emplace(event.to, kBoundsSeconds)
+  run_seconds_.try_emplace(event.to, kJobBoundsSeconds)
       .first->second.add(seconds_between(started->second, event.at_ms));
   started_ms_.erase(started);
 }

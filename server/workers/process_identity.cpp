@@ -18,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kDeathPatience = 10s;
-constexpr auto kLookAgainAfter = 10ms;
+constexpr auto kLookIfGoneAfter = 10ms;
 constexpr int kStartTimeField = 22;  // proc(5), /proc/PID/stat
 constexpr int kStateField = 3;
 constexpr int kUserTimeField = 14;
@@ -78,7 +78,7 @@ api::Status kill_and_confirm(const ProcessIdentity& process) {
       return api::Done{};
     if (::kill(-pid, SIGKILL) != 0 && ::kill(pid, SIGKILL) != 0 && errno == EPERM)
       return api::Error{api::Fault::internal, "process " + std::to_string(pid) + " cannot be killed"};
-    std::this_thread::sleep_for(kLookAgainAfter);
+    std::this_thread::sleep_for(kLookIfGoneAfter);
   }
   return api::Error{api::Fault::internal, "process " + std::to_string(pid) + " does not die"};
 }
