@@ -14,7 +14,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent.parent
 ENGINE = ROOT / "tests/support/docker/engine"
 TAG = "test"
-IMAGES = {"runtime": f"keylume:{TAG}", "proxy": f"keylume-proxy:{TAG}"}
+IMAGES = {"runtime": f"keylume:{TAG}", "proxy": f"keylume-proxy:{TAG}", "prometheus": f"keylume-prometheus:{TAG}"}
+SIZE_MB_MAX = {"runtime": 400}
 BUILD_SECONDS_MAX = 1500
 NO_ENGINE = 77
 
@@ -75,7 +76,10 @@ def up(folder):
     environment.update(KEYLUME_CONTAINER=IMAGES["runtime"], KEYLUME_TAG=TAG)
     (folder / "environment.json").write_text(json.dumps(environment))
     for target, tag in IMAGES.items():
-        print(f"ratio: image {target}: {size_mb(tag):.0f} MB, built in {times[target]:.0f} s")
+        size = size_mb(tag)
+        print(f"ratio: image {target}: {size:.0f} MB, built in {times[target]:.0f} s", flush=True)
+        if size > SIZE_MB_MAX.get(target, size):
+            sys.exit(f"image {target}: {size:.0f} MB, more than {SIZE_MB_MAX[target]}")
 
 
 def down(folder):

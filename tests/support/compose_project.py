@@ -19,9 +19,10 @@ class ComposeProject(Service):
     def __init__(self, *profiles):
         self.project = f"keylume-test-{uuid.uuid4().hex[:8]}"
         self.profiles = profiles
-        self.port, self.proxy_port = free_port(), free_port()
+        self.port, self.proxy_port, self.prometheus_port = free_port(), free_port(), free_port()
         self.url = f"http://127.0.0.1:{self.port}"
-        self.environment = {**os.environ, "KEYLUME_PORT": str(self.port), "KEYLUME_TLS_PORT": str(self.proxy_port)}
+        self.environment = {**os.environ, "KEYLUME_PORT": str(self.port), "KEYLUME_TLS_PORT": str(self.proxy_port),
+                            "KEYLUME_PROMETHEUS_PORT": str(self.prometheus_port)}
 
     def compose(self, *words, timeout_s=180):
         command = ["docker", "compose", "-f", str(COMPOSE), "-p", self.project]
