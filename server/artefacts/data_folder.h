@@ -3,6 +3,7 @@
 //   LOCK                 held by the one server that may use the folder; its process id inside
 //   ballast              nothing; on a full disk its room lets jobs be removed
 //   keylume.db           SQLite, with -wal and -shm beside it
+//   views.checked        the job whose views and videos were looked at last, see ViewService::check_made
 //   tmp/<id>/            uploads on their way in; emptied at start-up
 //   blobs/<ab>/<hash>    files of uploads by their SHA-256, kept for a day without use
 //   jobs/<id>/           one job: input/, artefacts/, checkpoint/, progress.ndjson, report.json,
@@ -29,6 +30,7 @@ class DataFolder {
   static api::Result<DataFolder> open(const std::filesystem::path& root);
 
   std::filesystem::path database() const { return root_ / "keylume.db"; }
+  std::filesystem::path views_checked() const { return root_ / "views.checked"; }
   std::filesystem::path uploads() const { return root_ / "tmp"; }
   std::filesystem::path upload(std::string_view id) const { return uploads() / id; }
   std::filesystem::path blobs() const { return root_ / "blobs"; }

@@ -13,7 +13,7 @@
 namespace server {
 namespace {
 
-constexpr std::size_t kPieceBytes = 64 * 1024;
+constexpr std::size_t kReadBytes = 64 * 1024;
 constexpr std::int64_t kBlockBytes = 512;  // of st_blocks, whatever the file system's are
 // File systems compress, pictures of nothing more than others.
 constexpr std::int64_t kBytesPerByteOnDiskMax = 32;
@@ -48,6 +48,15 @@ api::Error bad(const ClaimedFile& file, std::string_view what) {
   return {api::Fault::invalid_request, std::string(file.kind) + " '" + file.path + "' " + std::string(what)};
 }
 
+/// One that is not there is bad. Of one that could not be looked at, for want of a descriptor or of the
+/// right to, nothing is known.
+api::Error not_opened(const ClaimedFile& file, const api::Error& why) {
+  api::Error error = bad(file, "cannot be opened: " + why.message);
+  const bool proven = why.fault == api::Fault::not_found || why.fault == api::Fault::invalid_request;
+  if (!proven) error.fault = why.fault;
+  return error;
+}
+
 }  // namespace
 
 struct Sha256::State {
@@ -72,7 +81,7 @@ std::string Sha256::end() {
 api::Result<std::string> sha256_of(const FileHandle& file, const std::atomic<bool>& stopping) {
   Digest digest = new_digest();
   if (!digest) return api::Error{api::Fault::internal, "SHA-256 is not available"};
-  const auto piece = std::make_unique<std::array<char, kPieceBytes>>();
+  const auto piece = std::make_unique<std::array<char, kReadBytes>>();
   for (off_t offset = 0;;) {
     if (stopping) return api::Error{api::Fault::stopped, "stopped while a file was read"};
     const ssize_t count = ::pread(file.get(), piece->data(), piece->size(), offset);
@@ -95,7 +104,7 @@ namespace {
 
 api::Result<FileHandle> open_of_size(const std::filesystem::path& folder, const ClaimedFile& file) {
   auto opened = open_below(folder, file.path);
-  if (!opened) return bad(file, "cannot be opened: " + opened.error().message);
+  if (!opened) return not_opened(file, opened.error());
   const auto size = size_of(*opened);
   if (!size) return size.error();
   if (*size != file.bytes)
@@ -129,7 +138,7 @@ api::Status look_at(const std::filesystem::path& folder, const std::vector<Claim
   for (const ClaimedFile& file : files) {
     if (!seen.insert(file.path).second) return bad(file, "is listed twice");
     const auto opened = open_below(folder, file.path);
-    if (!opened) return bad(file, "cannot be opened: " + opened.error().message);
+    if (!opened) return not_opened(file, opened.error());
     struct stat about {};
     if (::fstat(opened->get(), &about) != 0) return file_error(file.path, errno);
     if (about.st_nlink != 1) return bad(file, "has another name beside this one");

@@ -48,17 +48,18 @@ class Sha256 {
 api::Result<std::string> sha256_of(const FileHandle& file, const std::atomic<bool>& stopping = kNeverStops);
 std::string sha256_of(std::string_view bytes);
 
-/// Its size alone.
+/// Its size alone. Errors: as verify_file.
 api::Status verify_size(const std::filesystem::path& folder, const ClaimedFile& file);
-/// One of them, as verify_files says. Errors: also stopped.
+/// One of them, as verify_files says. Errors: invalid_request where it is proven to be another file, or none;
+/// internal where it could not be looked at, which proves nothing; stopped.
 api::Status verify_file(const std::filesystem::path& folder, const ClaimedFile& file,
                         const std::atomic<bool>& stopping = kNeverStops);
 
 /// Every file exists below `folder` as a regular file under a plain relative path, with that size and hash,
-/// and no path comes twice. Errors: invalid_request naming the first file that does not; stopped. The worker
-/// has parsed a stranger's upload, so it is believed nothing, and must not make us read for days: a file has
-/// one name only, all of them together are not much larger than what they take on disk, and half an hour is
-/// enough to read them.
+/// and no path comes twice. Errors: invalid_request naming the first file that does not; internal; stopped.
+/// The worker has parsed a stranger's upload, so it is believed nothing, and must not make us read for days:
+/// a file has one name only, all of them together are not much larger than what they take on disk, and half
+/// an hour is enough to read them.
 api::Status verify_files(const std::filesystem::path& folder, const std::vector<ClaimedFile>& files,
                          const std::atomic<bool>& stopping = kNeverStops);
 

@@ -102,6 +102,8 @@ api::Status IntegrityCheck::look_at(const KeptFile& file) {
   // Removed while it was read?
   if (!same && !store_.job(file.job_id)) return api::Done{};
   if (!same) log_line("integrity check: " + file.job_id + ": " + same.error().message);
+  // Want of memory or descriptors, say, proves nothing: what is known of it stays until the next round.
+  if (!same && same.error().fault != api::Fault::invalid_request) return api::Done{};
   if (api::Status kept =
           store_.record_look({file.job_seq, file.is_input, file.path, same ? "" : same.error().message});
       !kept)

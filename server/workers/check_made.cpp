@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/artefacts/files.h"
 #include "server/artefacts/verify.h"
 #include "server/jobs/collect_results.h"
 #include "server/log.h"
@@ -16,14 +17,29 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kSumBytes = 64;
+constexpr std::int64_t kJobIdBytesMax = 64;
+/// A server that is killed looks again at what it had looked at in so much time at most.
+constexpr std::chrono::seconds kKeepEvery{10};
 
-std::vector<std::string> names_in(const fs::path& folder) {
+/// None where there is no such folder. Errors: internal.
+api::Result<std::vector<std::string>> names_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code failed;
   for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
     names.push_back(at->path().filename().string());
+  if (failed && failed != std::errc::no_such_file_or_directory && failed != std::errc::not_a_directory)
+    return file_error(folder.filename().string(), failed.value());
   std::sort(names.begin(), names.end());
   return names;
+}
+
+/// Such an error says what is on the disk; every other one says that nobody could look.
+bool is_proof(const api::Error& error) {
+  return error.fault == api::Fault::invalid_request || error.fault == api::Fault::not_found;
+}
+
+void tell_unread(const std::string& what, const api::Error& why) {
+  log_line("integrity check: " + what + " cannot be looked at, and is later: " + why.message);
 }
 
 bool are_the_same(const std::vector<ArtefactFile>& left, const std::vector<ArtefactFile>& right) {
@@ -39,7 +55,7 @@ api::Status must_be_as_made(const fs::path& view, const fs::path& hashes, const 
   if (!files) return files.error();
   const auto kept = read_view_hashes(hashes);
   if (kept && !are_the_same(*kept, *files))
-    return api::Error{api::Fault::internal, "it is another view than was made"};
+    return api::Error{api::Fault::invalid_request, "it is another view than was made"};
   return api::Done{};
 }
 
@@ -49,26 +65,56 @@ bool was_stopped(const api::Status& status) {
 
 }  // namespace
 
+std::string ViewService::last_checked() const {
+  const fs::path file = folder_.views_checked();
+  const auto kept = read_below(file.parent_path(), file.filename().string(), kJobIdBytesMax);
+  return kept ? *kept : std::string();
+}
+
+// Where that fails (a full disk), the next server looks again at what this one has looked at.
+void ViewService::keep_checked(const std::string& id) const {
+  if (id == last_checked()) return;
+  if (const api::Status kept = write_durably(folder_.views_checked(), id); !kept)
+    log_line("integrity check: " + kept.error().message);
+}
+
 api::Status ViewService::check_made(std::chrono::milliseconds time_max, const std::atomic<bool>& stopping) {
-  const auto enough = std::chrono::steady_clock::now() + time_max;
-  const std::vector<std::string> ids = names_in(folder_.jobs());
-  for (auto id = std::upper_bound(ids.begin(), ids.end(), checked_); id != ids.end(); ++id) {
+  const auto began = std::chrono::steady_clock::now();
+  auto kept_at = began;
+  const auto ids = names_in(folder_.jobs());
+  if (!ids) return ids.error();
+  std::string checked = last_checked();
+  for (auto id = std::upper_bound(ids->begin(), ids->end(), checked); id != ids->end(); ++id) {
     if (const auto job = jobs_.job(*id))
-      if (api::Status looked = check_job(*job, stopping); !looked) return looked;
-    checked_ = *id;
-    if (std::chrono::steady_clock::now() >= enough) return api::Done{};
+      if (api::Status looked = check_job(*job, stopping); !looked) {
+        keep_checked(checked);
+        return looked;
+      }
+    checked = *id;
+    const auto now = std::chrono::steady_clock::now();
+    const bool enough = now - began >= time_max;
+    if (enough || now - kept_at >= kKeepEvery) {
+      keep_checked(checked);
+      kept_at = now;
+    }
+    if (enough) return api::Done{};
   }
-  checked_.clear();
+  keep_checked("");  // the next check begins anew
   return api::Done{};
 }
 
 api::Status ViewService::check_job(const Job& job, const std::atomic<bool>& stopping) {
-  for (const std::string& name : names_in(views_of(job)))
-    if (is_view_name(name))
-      if (api::Status looked = check_view(job, name, stopping); !looked) return looked;
-  for (const std::string& name : names_in(videos_of(job)))
-    if (!name.starts_with(kUnfinished) && !name.ends_with(".sha256"))
-      if (api::Status looked = check_video(job, name, stopping); !looked) return looked;
+  const auto views = names_in(views_of(job)), videos = names_in(videos_of(job));
+  if (!views) tell_unread(job.id, views.error());
+  if (!videos) tell_unread(job.id, videos.error());
+  if (views)
+    for (const std::string& name : *views)
+      if (is_view_name(name))
+        if (api::Status looked = check_view(job, name, stopping); !looked) return looked;
+  if (videos)
+    for (const std::string& name : *videos)
+      if (!name.starts_with(kUnfinished) && !name.ends_with(".sha256"))
+        if (api::Status looked = check_video(job, name, stopping); !looked) return looked;
   return api::Done{};
 }
 
@@ -76,7 +122,11 @@ api::Status ViewService::check_view(const Job& job, const std::string& name,
                                     const std::atomic<bool>& stopping) {
   api::Status whole = must_be_as_made(views_of(job) / name, hashes_of(job, name), stopping);
   if (was_stopped(whole)) return whole;
-  if (!whole) drop_view(job, name, whole.error().message);
+  if (whole) return api::Done{};
+  if (is_proof(whole.error()))
+    drop_view(job, name, whole.error().message);
+  else
+    tell_unread(key_of_view(job.id, name), whole.error());
   return api::Done{};
 }
 
@@ -113,10 +163,8 @@ api::Status ViewService::check_video(const Job& job, const std::string& file,
   const auto found = video ? sha256_of(*video, stopping) : api::Result<std::string>(video.error());
   if (!found && found.error().fault == api::Fault::stopped) return found.error();
   if (found && *found == *sum) return api::Done{};
-  if (!found &&
-      (video || video.error().fault !=
-                    api::Fault::not_found)) {  // of want of memory or descriptors, say: that proves nothing
-    log_line("integrity check: " + job.id + "/videos/" + file + ": " + found.error().message);
+  if (!found && !is_proof(found.error())) {
+    tell_unread(job.id + "/videos/" + file, found.error());
     return api::Done{};
   }
   {

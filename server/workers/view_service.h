@@ -69,9 +69,11 @@ class ViewService {
 
   /// Removes what an earlier server has left half made, and has the views made that it had promised.
   void take_up_again();
-  /// Reads views and videos again, of job after job, for up to `time_max`; goes on from there the next time.
-  /// One that is damaged is told of in the log and removed; a view is made again at once, a video when
-  /// somebody asks for it. One thread at a time. Errors: stopped, soon after `stopping` turns true.
+  /// Reads views and videos again, of job after job, for up to `time_max`; goes on from there the next time,
+  /// also after a restart. One that is proven to be damaged (a file is missing, shorter, or has another hash)
+  /// is told of in the log and removed; a view is made again at once, a video when somebody asks for it. What
+  /// cannot be read now stays, and is told of. One thread at a time. Errors: stopped, soon after `stopping`
+  /// turns true; internal where not even the folder of jobs can be read.
   api::Status check_made(std::chrono::milliseconds time_max, const std::atomic<bool>& stopping);
   void stop() { maker_.stop(); }
 
@@ -117,14 +119,15 @@ class ViewService {
   api::Status check_view(const Job& job, const std::string& name, const std::atomic<bool>& stopping);
   api::Status check_video(const Job& job, const std::string& file, const std::atomic<bool>& stopping);
   void drop_view(const Job& job, const std::string& name, const std::string& why);
+  std::string last_checked() const;
+  void keep_checked(const std::string& id) const;
 
   JobService& jobs_;
   const DataFolder& folder_;
   ViewRules rules_;
   std::mutex mutex_;                                           ///< of asking, removing and of `verified_`
   std::map<std::string, std::vector<ArtefactFile>> verified_;  ///< "<job>/<view>", whose files were read
-  std::string checked_;  ///< job whose views and videos were looked at last; empty: begins anew
-  Maker maker_;          ///< last: its threads use the rest
+  Maker maker_;                                                ///< last: its threads use the rest
 };
 
 }  // namespace server

@@ -2,6 +2,9 @@
 // again.
 #include "server/jobs/integrity_check.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <thread>
 
 #include "server/artefacts/verify.h"
@@ -101,6 +104,29 @@ TEST_F(IntegrityTest, InputsAreLookedAtToo) {
   write_text(jobs_->folder_of(*job) / "input/scene.obj", "v 0 0 0\n");
   ASSERT_TRUE(with(1h)->check());
   EXPECT_EQ(*store_->count_damaged(), 0);
+}
+
+// Without a descriptor a file cannot be opened: a whole one must not be refused for that.
+TEST_F(IntegrityTest, WhatCannotBeLookedAtStaysAsItIsKnown) {
+  const Job whole = finished({"a.png", "b.png"});
+  change(whole, "b.png", "y");
+  const auto check = with(1h);
+  ASSERT_TRUE(check->check());
+  ASSERT_EQ(check->report().damaged_files, 1);
+  const std::filesystem::path folder = jobs_->folder_of(whole) / "artefacts";
+  rlimit before{};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  // As many as the database takes that is opened for the check; one is too few to open a file in a folder.
+  for (rlim_t more = 0; more < 12; ++more) {
+    const int lowest_free = ::dup(0);
+    ::close(lowest_free);
+    const rlimit few{static_cast<rlim_t>(lowest_free) + more, before.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &few);
+    (void)check->check();
+    ::setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_EQ(check->report().damaged_files, 1) << "with " << more << " descriptors more";
+    EXPECT_TRUE(jobs_->artefact(whole, "a.png"));
+  }
 }
 
 TEST_F(IntegrityTest, AShareAtATimeComesRoundAlsoAcrossRestarts) {

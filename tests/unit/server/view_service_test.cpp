@@ -1,6 +1,9 @@
 // Views that are promised, without anybody who makes them; and the hashes of those that are made.
 #include "server/workers/view_service.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <set>
 
 #include "server/artefacts/verify.h"
@@ -105,6 +108,60 @@ TEST_F(MadeFilesTest, EachCheckGoesOnFromWhereTheLastHadNoTimeLeft) {
   EXPECT_EQ(left(), 1);
   ASSERT_TRUE(views.check_made(0ms, kNeverStops));
   EXPECT_EQ(left(), 0);
+}
+
+TEST_F(MadeFilesTest, ACheckGoesOnAfterARestartToo) {
+  const Job first = submit(), second = submit();
+  const std::filesystem::path views_of[] = {with_view(first), with_view(second)};
+  for (const auto& view : views_of) write_text(view / "0.png", "other");
+  ASSERT_TRUE(ViewService(*jobs_, *folder_, nobody_makes()).check_made(0ms, kNeverStops));
+  with_view(first.id < second.id ? first : second);  // the one that was looked at
+  restart();
+  ASSERT_TRUE(ViewService(*jobs_, *folder_, nobody_makes()).check_made(0ms, kNeverStops));
+  EXPECT_TRUE(std::filesystem::exists(views_of[first.id < second.id ? 0 : 1]));
+  EXPECT_FALSE(std::filesystem::exists(views_of[first.id < second.id ? 1 : 0]));
+}
+
+/// As long as this lives, only so many more files can be open.
+class FewDescriptors {
+ public:
+  explicit FewDescriptors(rlim_t more) {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const int lowest_free = ::dup(0);
+    ::close(lowest_free);
+    const rlimit few{static_cast<rlim_t>(lowest_free) + more, before_.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &few);
+  }
+  ~FewDescriptors() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+  FewDescriptors(const FewDescriptors&) = delete;
+  FewDescriptors& operator=(const FewDescriptors&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(MadeFilesTest, WhatCannotBeOpenedNowIsNotTakenForDamaged) {
+  const Job job = submit();
+  const std::filesystem::path view = with_view(job);
+  const ClaimedFile file{"0.png", 5, sha256_of("bytes")};
+  ViewService views(*jobs_, *folder_, nobody_makes());
+  {
+    const FewDescriptors few(1);  // a folder can be listed, a file within it not opened
+    const api::Status looked = verify_file(view, file);
+    ASSERT_FALSE(looked);
+    EXPECT_EQ(looked.error().fault, api::Fault::internal) << looked.error().message;
+    EXPECT_TRUE(views.check_made(1h, kNeverStops));
+    EXPECT_TRUE(std::filesystem::exists(view));
+  }
+  {
+    const FewDescriptors none(0);
+    EXPECT_FALSE(views.check_made(1h, kNeverStops)) << "it did not look";
+  }
+  EXPECT_TRUE(verify_file(view, file));
+  std::filesystem::remove(view / "0.png");
+  EXPECT_EQ(verify_file(view, file).error().fault, api::Fault::invalid_request);
+  ASSERT_TRUE(views.check_made(1h, kNeverStops));
+  EXPECT_FALSE(std::filesystem::exists(view));
 }
 
 TEST_F(MadeFilesTest, WhatWasNeverFinishedGoesAtTheNextStart) {
