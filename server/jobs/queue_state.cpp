@@ -113,6 +113,7 @@ void JobService::stop_waiting() {
 api::Status JobService::collect_garbage() {
   folder_.lay_ballast();
   if (api::Status mended = store_.mend_times(rules_.disk_full_wait_ms_max); !mended) return mended;
+  (void)store_.keep_uses();  // on a full disk room is to be made all the same
   if (clock_doubt_.is_doubtful()) return api::Done{};
   if (api::Status forgotten = store_.forget_keys(clock_() - rules_.key_ms); !forgotten) return forgotten;
   {

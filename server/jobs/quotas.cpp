@@ -59,7 +59,7 @@ api::Status JobService::make_room(std::int64_t bytes) {
 
 void JobService::use(const Job& job) {
   if (!api::is_final(job.state) || clock_() - job.used_ms < kUsedEveryMs) return;
-  (void)store_.record_use(job.seq);  // where that fails it is evicted earlier
+  store_.record_use(job.seq);
 }
 
 // A crash between a view and its bytes must not count for ever, nor what earlier versions did not count: all

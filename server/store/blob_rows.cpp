@@ -2,19 +2,13 @@
 #include "server/store/job_store.h"
 
 namespace server {
-namespace {
-
-// A blob's last use is written no more often: reading one should not cost a write.
-constexpr std::int64_t kUsedEveryMs = 3'600'000;
-
-}  // namespace
 
 api::Status JobStore::keep_blob(std::string_view owner, std::string_view sha256, std::int64_t bytes,
                                 const Ceilings& most) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (api::Status begun = transaction.begin(); !begun) return begun;
-  if (api::Status room = admit_locked(owner, bytes, most); !room) return room;
+  if (api::Status room = admit_in(database_, owner, bytes, most); !room) return room;
   Statement row = database_.prepare(
       "INSERT INTO blob(owner, sha256, bytes, used_ms) VALUES (?, ?, ?, ?) "
       "ON CONFLICT(owner, sha256) DO UPDATE SET used_ms = excluded.used_ms");
@@ -22,21 +16,9 @@ api::Status JobStore::keep_blob(std::string_view owner, std::string_view sha256,
   return transaction.commit();
 }
 
-api::Result<bool> JobStore::use_blob(std::string_view owner, std::string_view sha256) {
-  const std::lock_guard lock(mutex_);
-  const std::int64_t now = clock_();
-  Statement select = database_.prepare("SELECT used_ms FROM blob WHERE owner = ? AND sha256 = ?");
-  const bool found = select.bind(owner).bind(sha256).next();
-  const std::int64_t used_ms = found ? select.integer(0) : 0;
-  if (const api::Status ok = select.status(); !ok) return ok.error();
-  if (!found || now - used_ms < kUsedEveryMs) return found;
-  Statement update = database_.prepare("UPDATE blob SET used_ms = ? WHERE owner = ? AND sha256 = ?");
-  (void)update.bind(now).bind(owner).bind(sha256).run();  // where that fails it goes a little earlier
-  return true;
-}
-
 api::Result<std::int64_t> JobStore::forget_blobs(std::int64_t before_ms) {
   const std::lock_guard lock(mutex_);
+  (void)keep_uses_locked();  // where nothing can be written nothing is forgotten either
   const std::int64_t now = clock_();
   // The wall clock may have jumped: nothing was used later than now.
   Statement mend = database_.prepare("UPDATE blob SET used_ms = ? WHERE used_ms > ?");
@@ -53,8 +35,8 @@ api::Status JobStore::forget_blob(std::string_view sha256) {
 }
 
 api::Result<std::set<std::string, std::less<>>> JobStore::blobs() {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT DISTINCT sha256 FROM blob");
+  Reading reading(*readers_);
+  Statement select = reading.prepare("SELECT DISTINCT sha256 FROM blob");
   std::set<std::string, std::less<>> hashes;
   while (select.next()) hashes.insert(select.text(0));
   if (const api::Status ok = select.status(); !ok) return ok.error();
@@ -62,13 +44,13 @@ api::Result<std::set<std::string, std::less<>>> JobStore::blobs() {
 }
 
 api::Result<std::int64_t> JobStore::blob_bytes(std::optional<std::string_view> owner) {
-  const std::lock_guard lock(mutex_);
-  return blob_bytes_locked(owner);
+  Reading reading(*readers_);
+  return blob_bytes_in(reading.database(), owner);
 }
 
-api::Result<std::int64_t> JobStore::blob_bytes_locked(std::optional<std::string_view> owner) {
-  Statement select = database_.prepare(std::string("SELECT coalesce(sum(bytes), 0) FROM blob") +
-                                       (owner ? " WHERE owner = ?" : ""));
+api::Result<std::int64_t> JobStore::blob_bytes_in(Database& database, std::optional<std::string_view> owner) {
+  Statement select = database.prepare(std::string("SELECT coalesce(sum(bytes), 0) FROM blob") +
+                                      (owner ? " WHERE owner = ?" : ""));
   if (owner) select.bind(*owner);
   const std::int64_t bytes = select.next() ? select.integer(0) : 0;
   if (const api::Status ok = select.status(); !ok) return ok.error();

@@ -92,6 +92,10 @@ api::Result<Database> Database::open_to_read(const std::filesystem::path& file) 
   return database;
 }
 
+void Database::set_patience(std::chrono::milliseconds patience) {
+  sqlite3_busy_timeout(handle_.get(), static_cast<int>(patience.count()));
+}
+
 api::Status Database::execute(std::string_view script) {
   const std::string text(script);
   const int code = sqlite3_exec(handle_.get(), text.c_str(), nullptr, nullptr, nullptr);

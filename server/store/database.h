@@ -1,6 +1,7 @@
 // One SQLite connection, opened the only way this service opens one.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -9,6 +10,9 @@
 #include "server/store/statement.h"
 
 namespace server {
+
+/// Nobody else has business in the file, but who looks into it may take a lock for a moment.
+inline constexpr std::chrono::milliseconds kLockPatience{5000};
 
 /// The single read-write connection to a database file. Not safe for use by two threads at once: the owner
 /// holds a mutex. One connection only, because SQLite before 3.51.3 can lose pages when two connections write
@@ -26,6 +30,9 @@ class Database {
   static api::Result<Database> open_to_read(const std::filesystem::path& file);
 
   Statement prepare(std::string_view sql) { return Statement(handle_.get(), sql); }
+
+  /// How long a statement waits for a lock of another process; kLockPatience when it was opened.
+  void set_patience(std::chrono::milliseconds patience);
 
   /// One or more statements without values or rows of interest.
   api::Status execute(std::string_view script);

@@ -27,31 +27,32 @@ api::Error over_quota(const std::string& what, std::int64_t kept, std::int64_t m
 }  // namespace
 
 api::Status JobStore::admit(std::string_view owner, std::int64_t bytes, const Ceilings& most) {
-  const std::lock_guard lock(mutex_);
-  return admit_locked(owner, bytes, most);
+  Reading reading(*readers_);
+  return admit_in(reading.database(), owner, bytes, most);
 }
 
-api::Status JobStore::admit_locked(std::string_view owner, std::int64_t bytes, const Ceilings& most) {
-  if (api::Status room = admit_to_queue(owner, most); !room) return room;
+api::Status JobStore::admit_in(Database& database, std::string_view owner, std::int64_t bytes,
+                               const Ceilings& most) {
+  if (api::Status room = admit_to_queue(database, owner, most); !room) return room;
   if (most.bytes != INT64_MAX) {
-    const auto kept = total_bytes_locked({});
+    const auto kept = total_bytes_in(database, {});
     if (!kept) return kept.error();
     const auto spare =
-        most.evict && *kept + bytes > most.bytes ? unused_bytes_locked() : api::Result<std::int64_t>(0);
+        most.evict && *kept + bytes > most.bytes ? unused_bytes_in(database) : api::Result<std::int64_t>(0);
     if (!spare) return spare.error();
     if (*kept - *spare + bytes > most.bytes)
       return over_quota("all jobs and blobs together", *kept, most.bytes);
   }
   if (most.bytes_of_one_owner == INT64_MAX) return api::Done{};
-  const auto kept = total_bytes_locked(owner);
+  const auto kept = total_bytes_in(database, owner);
   if (!kept) return kept.error();
   if (*kept + bytes <= most.bytes_of_one_owner) return api::Done{};
   return over_quota("your jobs and blobs", *kept, most.bytes_of_one_owner);
 }
 
-api::Status JobStore::admit_to_queue(std::string_view owner, const Ceilings& most) {
+api::Status JobStore::admit_to_queue(Database& database, std::string_view owner, const Ceilings& most) {
   if (most.queued != INT64_MAX) {
-    Statement select = database_.prepare(kQueued);
+    Statement select = database.prepare(kQueued);
     const auto waiting = number_of(select);
     if (!waiting) return waiting.error();
     if (*waiting >= most.queued)
@@ -59,7 +60,7 @@ api::Status JobStore::admit_to_queue(std::string_view owner, const Ceilings& mos
                         "the queue is full: " + std::to_string(*waiting) + " jobs are waiting"};
   }
   if (most.queued_of_one_owner == INT64_MAX) return api::Done{};
-  Statement select = database_.prepare(kQueuedOfOwner);
+  Statement select = database.prepare(kQueuedOfOwner);
   select.bind(owner);
   const auto of_owner = number_of(select);
   if (!of_owner) return of_owner.error();
@@ -69,21 +70,22 @@ api::Status JobStore::admit_to_queue(std::string_view owner, const Ceilings& mos
   return api::Done{};
 }
 
-api::Result<std::int64_t> JobStore::unused_bytes_locked() {
-  Statement select = database_.prepare(kUnusedBytes);
+api::Result<std::int64_t> JobStore::unused_bytes_in(Database& database) {
+  Statement select = database.prepare(kUnusedBytes);
   return number_of(select);
 }
 
 api::Result<std::int64_t> JobStore::total_bytes(std::optional<std::string_view> owner) {
-  const std::lock_guard lock(mutex_);
-  return total_bytes_locked(owner);
+  Reading reading(*readers_);
+  return total_bytes_in(reading.database(), owner);
 }
 
-api::Result<std::int64_t> JobStore::total_bytes_locked(std::optional<std::string_view> owner) {
-  const auto blobs = blob_bytes_locked(owner);
+api::Result<std::int64_t> JobStore::total_bytes_in(Database& database,
+                                                   std::optional<std::string_view> owner) {
+  const auto blobs = blob_bytes_in(database, owner);
   if (!blobs) return blobs.error();
-  Statement select = database_.prepare("SELECT coalesce(sum(bytes), 0) FROM job INDEXED BY job_bytes" +
-                                       std::string(owner ? " WHERE owner = ?" : ""));
+  Statement select = database.prepare("SELECT coalesce(sum(bytes), 0) FROM job INDEXED BY job_bytes" +
+                                      std::string(owner ? " WHERE owner = ?" : ""));
   if (owner) select.bind(*owner);
   const auto bytes = number_of(select);
   if (!bytes) return bytes;

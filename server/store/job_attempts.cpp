@@ -59,10 +59,10 @@ api::Result<JobState> JobStore::record_progress(const Lease& lease, const api::P
   return *known;
 }
 
-api::Result<Job> JobStore::leased_job_locked(const Lease& lease) {
-  Statement select = database_.prepare(select_jobs(Reports::read) +
-                                       "WHERE seq = ? AND lease = ? "
-                                       "AND state IN ('running', 'pause_requested', 'cancel_requested')");
+api::Result<Job> JobStore::leased_job_in(Database& database, const Lease& lease) {
+  Statement select = database.prepare(select_jobs(Reports::read) +
+                                      "WHERE seq = ? AND lease = ? "
+                                      "AND state IN ('running', 'pause_requested', 'cancel_requested')");
   select.bind(lease.job_seq).bind(lease.token);
   if (select.next()) return read_job(select);
   if (const api::Status ok = select.status(); !ok) return ok.error();
@@ -70,8 +70,8 @@ api::Result<Job> JobStore::leased_job_locked(const Lease& lease) {
 }
 
 api::Result<Job> JobStore::leased_job(const Lease& lease) {
-  const std::lock_guard lock(mutex_);
-  return leased_job_locked(lease);
+  Reading reading(*readers_);
+  return leased_job_in(reading.database(), lease);
 }
 
 api::Status JobStore::end_attempt(const Lease& lease, std::string_view outcome, const AttemptEnd& end) {
@@ -88,7 +88,7 @@ api::Status JobStore::end_attempt(const Lease& lease, std::string_view outcome, 
 
 // Whoever ends the attempt has not seen the wish to cancel yet: it has to look again.
 api::Status JobStore::refuse_canceled(const Lease& lease) {
-  const auto job = leased_job_locked(lease);
+  const auto job = leased_job_in(database_, lease);
   if (!job) return job.error();
   if (job->state == JobState::cancel_requested)
     return api::Error{Fault::wrong_state, "the job is to be canceled"};
@@ -98,7 +98,7 @@ api::Status JobStore::refuse_canceled(const Lease& lease) {
 // Common to every end of an attempt; inside the caller's transaction.
 api::Status JobStore::leave_running(const Lease& lease, JobEvent event, const StepReason& why,
                                     const AttemptEnd& end, std::string_view report_json) {
-  const auto job = leased_job_locked(lease);
+  const auto job = leased_job_in(database_, lease);
   if (!job) return job.error();
   const auto to = api::after(job->state, event);
   if (!to) return superseded();
@@ -168,7 +168,7 @@ api::Status JobStore::finish_cancel(const Lease& lease, const AttemptEnd& end) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (api::Status begun = transaction.begin(); !begun) return begun;
-  const auto job = leased_job_locked(lease);
+  const auto job = leased_job_in(database_, lease);
   if (!job) return job.error();
   if (job->state != JobState::cancel_requested) return superseded();
   const StepReason why{"canceled", "on request"};
@@ -177,8 +177,8 @@ api::Status JobStore::finish_cancel(const Lease& lease, const AttemptEnd& end) {
 }
 
 api::Result<std::int64_t> JobStore::count_attempts(std::int64_t job_seq, std::string_view reason) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
+  Reading reading(*readers_);
+  Statement select = reading.prepare(
       "SELECT count(*) FROM attempt JOIN job ON seq = job_seq "
       "WHERE job_seq = ? AND outcome = ? AND number > forgiven_attempt");
   select.bind(job_seq).bind(reason);
@@ -188,15 +188,15 @@ api::Result<std::int64_t> JobStore::count_attempts(std::int64_t job_seq, std::st
 }
 
 api::Result<std::vector<Orphan>> JobStore::orphans() {
-  const std::lock_guard lock(mutex_);
+  Reading reading(*readers_);
   std::vector<Orphan> orphans;
-  Statement jobs = database_.prepare(select_jobs(Reports::left_out) +
-                                     "WHERE state IN ('running', 'pause_requested', 'cancel_requested') "
-                                     "ORDER BY seq");
+  Statement jobs = reading.prepare(select_jobs(Reports::left_out) +
+                                   "WHERE state IN ('running', 'pause_requested', 'cancel_requested') "
+                                   "ORDER BY seq");
   while (jobs.next()) orphans.push_back({read_job(jobs), {}, std::nullopt});
   if (const api::Status ok = jobs.status(); !ok) return ok.error();
 
-  Statement worker = database_.prepare(
+  Statement worker = reading.prepare(
       "SELECT attempt.lease, worker_pid, worker_start_ticks, worker_boot_id FROM attempt JOIN job ON seq = "
       "job_seq "
       "WHERE seq = ? AND number = job.attempt");

@@ -35,7 +35,7 @@ api::Result<Job> JobStore::wish(std::string_view id, JobEvent event, const StepR
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (const api::Status begun = transaction.begin(); !begun) return begun.error();
-  const auto job = job_locked(id);
+  const auto job = job_in(database_, id);
   if (!job) return job;
   const auto to = api::after(job->state, event);
   if (!to) return cannot(job->state, event);
@@ -53,7 +53,7 @@ api::Result<Job> JobStore::wish(std::string_view id, JobEvent event, const StepR
         "deadline_ms = CASE WHEN deadline_ms > ? THEN deadline_ms END WHERE seq = ?");
     if (const api::Status done = anew.bind(clock_()).bind(job->seq).run(); !done) return done.error();
   }
-  auto changed = job_locked(id);
+  auto changed = job_in(database_, id);
   if (!changed) return changed;
   if (const api::Status done = transaction.commit(); !done) return done.error();
   return changed;
@@ -78,14 +78,14 @@ api::Result<Job> JobStore::change(std::string_view id, const api::JobOptions& op
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (const api::Status begun = transaction.begin(); !begun) return begun.error();
-  auto job = job_locked(id);
+  auto job = job_in(database_, id);
   if (!job) return job;
   if (version && *version != job->version)
     return api::Error{Fault::changed, "the job is at version " + std::to_string(job->version) +
                                           " by now, not at " + std::to_string(*version)};
   apply(options, job->settings);
   if (const api::Status done = write_settings(*job); !done) return done.error();
-  auto changed = job_locked(id);
+  auto changed = job_in(database_, id);
   if (!changed) return changed;
   if (const api::Status done = transaction.commit(); !done) return done.error();
   return changed;

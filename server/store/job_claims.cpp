@@ -92,7 +92,7 @@ api::Result<std::optional<JobStore::Chosen>> JobStore::choose(const Room& room, 
   const auto waiting = owners_waiting(database_);
   if (!waiting) return waiting.error();
   if (waiting->empty()) return std::optional<Chosen>();
-  const auto known = owner_turns_locked();
+  const auto known = owner_turns_in(database_);
   if (!known) return known.error();
   const std::vector<OwnerTurn> owners = turns_of(*waiting, *known);
 
@@ -137,7 +137,7 @@ api::Result<Lease> JobStore::begin_attempt(const Chosen& chosen, std::int64_t no
 api::Result<std::optional<Claim>> JobStore::claim(const Room& room) {
   const std::lock_guard lock(mutex_);
   const std::int64_t now = clock_();
-  const auto queue = queue_locked();
+  const auto queue = queue_in(database_);
   if (!queue) return queue.error();
   if (queue->paused) return std::optional<Claim>();
   // Looked for outside of the transaction: nobody else writes, and an empty queue is asked often.
@@ -148,7 +148,7 @@ api::Result<std::optional<Claim>> JobStore::claim(const Room& room) {
   if (const api::Status begun = transaction.begin(); !begun) return begun.error();
   const auto lease = begin_attempt(**chosen, now);
   if (!lease) return lease.error();
-  const auto job = job_locked((*chosen)->id);
+  const auto job = job_in(database_, (*chosen)->id);
   if (!job) return job.error();
   if (const api::Status done = transaction.commit(); !done) return done.error();
   api::fault_point("claimed");

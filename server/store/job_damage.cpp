@@ -11,8 +11,8 @@ api::Error damaged_file(std::string_view path, std::string_view detail) {
 }
 
 api::Status JobStore::must_be_whole(std::int64_t job_seq, std::string_view glob) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
+  Reading reading(*readers_);
+  Statement select = reading.prepare(
       "SELECT path, detail FROM damage WHERE job_seq = ?1 AND path GLOB ?2 UNION ALL "
       "SELECT 'input/' || name, detail FROM input_damage WHERE job_seq = ?1 AND 'input/' || name GLOB ?2 "
       "LIMIT 1");
@@ -40,18 +40,18 @@ api::Status JobStore::record_look(const FileLook& look) {
 }
 
 api::Result<std::int64_t> JobStore::count_damaged() {
-  const std::lock_guard lock(mutex_);
+  Reading reading(*readers_);
   Statement select =
-      database_.prepare("SELECT (SELECT count(*) FROM damage) + (SELECT count(*) FROM input_damage)");
+      reading.prepare("SELECT (SELECT count(*) FROM damage) + (SELECT count(*) FROM input_damage)");
   const std::int64_t count = select.next() ? select.integer(0) : 0;
   if (const api::Status ok = select.status(); !ok) return ok.error();
   return count;
 }
 
 api::Result<IntegrityState> JobStore::integrity() {
-  const std::lock_guard lock(mutex_);
+  Reading reading(*readers_);
   Statement select =
-      database_.prepare("SELECT ended_ms, round_ms, at_inputs, after_seq, after_path FROM integrity");
+      reading.prepare("SELECT ended_ms, round_ms, at_inputs, after_seq, after_path FROM integrity");
   IntegrityState state;
   if (select.next())
     state = {select.integer(0), select.integer(1), select.integer(2) != 0, select.integer(3), select.text(4)};

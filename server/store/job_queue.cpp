@@ -9,8 +9,8 @@ namespace server {
 
 using api::JobState;
 
-api::Result<QueueSwitch> JobStore::queue_locked() {
-  Statement select = database_.prepare("SELECT paused, reason, changed_ms FROM queue");
+api::Result<QueueSwitch> JobStore::queue_in(Database& database) {
+  Statement select = database.prepare("SELECT paused, reason, changed_ms FROM queue");
   QueueSwitch queue;
   if (select.next()) queue = {select.integer(0) != 0, select.text(1), select.integer(2)};
   if (const api::Status ok = select.status(); !ok) return ok.error();
@@ -18,8 +18,8 @@ api::Result<QueueSwitch> JobStore::queue_locked() {
 }
 
 api::Result<QueueSwitch> JobStore::queue() {
-  const std::lock_guard lock(mutex_);
-  return queue_locked();
+  Reading reading(*readers_);
+  return queue_in(reading.database());
 }
 
 api::Result<QueueSwitch> JobStore::set_queue(bool paused, std::string_view reason) {
@@ -32,16 +32,15 @@ api::Result<QueueSwitch> JobStore::set_queue(bool paused, std::string_view reaso
   const std::int64_t flag = paused ? 1 : 0;
   if (const api::Status done = update.bind(flag).bind(now).bind(flag).bind(reason).run(); !done)
     return done.error();
-  return queue_locked();
+  return queue_in(database_);
 }
 
 api::Result<std::map<JobState, std::int64_t>> JobStore::counts(std::optional<std::string_view> owner) {
-  const std::lock_guard lock(mutex_);
+  Reading reading(*readers_);
   std::map<JobState, std::int64_t> counts;
   for (const JobState state : api::kJobStates) counts[state] = 0;
-  Statement select =
-      database_.prepare(owner ? "SELECT state, count(*) FROM job WHERE owner = ? GROUP BY state"
-                              : "SELECT state, count(*) FROM job GROUP BY state");
+  Statement select = reading.prepare(owner ? "SELECT state, count(*) FROM job WHERE owner = ? GROUP BY state"
+                                           : "SELECT state, count(*) FROM job GROUP BY state");
   if (owner) select.bind(*owner);
   while (select.next())
     if (const auto state = api::job_state_named(select.text(0))) counts[*state] = select.integer(1);
@@ -50,10 +49,10 @@ api::Result<std::map<JobState, std::int64_t>> JobStore::counts(std::optional<std
 }
 
 api::Result<std::vector<Waiting>> JobStore::waiting() {
-  const std::lock_guard lock(mutex_);
+  Reading reading(*readers_);
   // In the order of the index, from which alone it is read; there are few priorities, so the rest is soon
   // done.
-  Statement select = database_.prepare(
+  Statement select = reading.prepare(
       "SELECT seq, owner, priority, queued_ms FROM job INDEXED BY job_urgency WHERE state = 'queued' "
       "ORDER BY owner, priority, queued_ms, seq");
   std::vector<Waiting> waiting;
@@ -72,12 +71,12 @@ api::Result<std::vector<Waiting>> JobStore::waiting() {
   return waiting;
 }
 
-api::Result<std::vector<OwnerTurn>> JobStore::owner_turns_locked() {
+api::Result<std::vector<OwnerTurn>> JobStore::owner_turns_in(Database& database) {
   std::map<std::string, OwnerTurn> turns;
-  Statement served = database_.prepare("SELECT owner, started_ms FROM owner_turn");
+  Statement served = database.prepare("SELECT owner, started_ms FROM owner_turn");
   while (served.next()) turns[served.text(0)] = {served.text(0), 0, served.integer(1)};
   if (const api::Status ok = served.status(); !ok) return ok.error();
-  Statement running = database_.prepare(
+  Statement running = database.prepare(
       "SELECT owner, count(*) FROM job WHERE state IN ('running', 'pause_requested', 'cancel_requested') "
       "GROUP BY owner");
   while (running.next()) {
@@ -92,8 +91,8 @@ api::Result<std::vector<OwnerTurn>> JobStore::owner_turns_locked() {
 }
 
 api::Result<std::vector<OwnerTurn>> JobStore::owner_turns() {
-  const std::lock_guard lock(mutex_);
-  return owner_turns_locked();
+  Reading reading(*readers_);
+  return owner_turns_in(reading.database());
 }
 
 api::Result<std::int64_t> JobStore::fail_overdue() {

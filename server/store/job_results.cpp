@@ -48,8 +48,8 @@ api::Status JobStore::insert_results(std::int64_t job_seq, const Results& result
 }
 
 api::Result<std::vector<InputFile>> JobStore::inputs(std::int64_t job_seq) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
+  Reading reading(*readers_);
+  Statement select = reading.prepare(
       "SELECT name, role, bytes, coalesce(sha256, '') FROM job_input WHERE job_seq = ? ORDER BY name");
   select.bind(job_seq);
   std::vector<InputFile> inputs;
@@ -61,8 +61,8 @@ api::Result<std::vector<InputFile>> JobStore::inputs(std::int64_t job_seq) {
 }
 
 api::Result<std::vector<Attempt>> JobStore::attempts(std::int64_t job_seq) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
+  Reading reading(*readers_);
+  Statement select = reading.prepare(
       "SELECT number, started_ms, ended_ms, coalesce(outcome, ''), exit_code, signal FROM attempt "
       "WHERE job_seq = ? ORDER BY number");
   select.bind(job_seq);
@@ -82,8 +82,8 @@ api::Result<std::vector<Attempt>> JobStore::attempts(std::int64_t job_seq) {
 }
 
 api::Result<std::vector<Event>> JobStore::events(std::int64_t job_seq) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
+  Reading reading(*readers_);
+  Statement select = reading.prepare(
       "SELECT id, at_ms, coalesce(from_state, ''), to_state, reason, message FROM event WHERE job_seq = ? "
       "ORDER BY id");
   select.bind(job_seq);
@@ -97,8 +97,8 @@ api::Result<std::vector<Event>> JobStore::events(std::int64_t job_seq) {
 }
 
 api::Result<std::vector<ArtefactFile>> JobStore::artefacts(std::int64_t job_seq, std::string_view glob) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
+  Reading reading(*readers_);
+  Statement select = reading.prepare(
       "SELECT path, media_type, bytes, sha256 FROM artefact WHERE job_seq = ? AND path GLOB ? ORDER BY path");
   select.bind(job_seq).bind(glob);
   std::vector<ArtefactFile> files;
@@ -108,8 +108,8 @@ api::Result<std::vector<ArtefactFile>> JobStore::artefacts(std::int64_t job_seq,
 }
 
 api::Result<ArtefactFile> JobStore::artefact(std::int64_t job_seq, std::string_view path) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
+  Reading reading(*readers_);
+  Statement select = reading.prepare(
       "SELECT artefact.path, media_type, bytes, sha256, detail FROM artefact "
       "LEFT JOIN damage USING(job_seq, path) WHERE artefact.job_seq = ? AND artefact.path = ?");
   select.bind(job_seq).bind(path);
@@ -122,9 +122,8 @@ api::Result<ArtefactFile> JobStore::artefact(std::int64_t job_seq, std::string_v
 }
 
 api::Result<std::vector<api::FrameRecord>> JobStore::frames(std::int64_t job_seq) {
-  const std::lock_guard lock(mutex_);
-  Statement select =
-      database_.prepare("SELECT frame, kind, error FROM frame WHERE job_seq = ? ORDER BY frame");
+  Reading reading(*readers_);
+  Statement select = reading.prepare("SELECT frame, kind, error FROM frame WHERE job_seq = ? ORDER BY frame");
   select.bind(job_seq);
   std::vector<api::FrameRecord> frames;
   while (select.next())

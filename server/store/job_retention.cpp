@@ -19,7 +19,7 @@ api::Status JobStore::begin_removal(std::string_view id, RemovalOf kind) {
   Statement begun = database_.prepare("SELECT 1 FROM job WHERE id = ? AND removing = 1");
   if (begun.bind(id).next()) return api::Done{};
   if (api::Status ok = begun.status(); !ok) return ok;
-  const auto job = job_locked(id);
+  const auto job = job_in(database_, id);
   if (!job) return job.error();
   if (!api::is_final(job->state))
     return api::Error{api::Fault::wrong_state, "the job is " + std::string(api::name_of(job->state)) +
@@ -65,20 +65,20 @@ api::Status JobStore::erase(std::string_view id) {
 }
 
 api::Result<std::vector<std::string>> JobStore::jobs_being_removed() {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT id FROM job WHERE removing = 1");
+  Reading reading(*readers_);
+  Statement select = reading.prepare("SELECT id FROM job WHERE removing = 1");
   return ids_of(select);
 }
 
 api::Result<std::vector<std::string>> JobStore::all_ids() {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT id FROM job");
+  Reading reading(*readers_);
+  Statement select = reading.prepare("SELECT id FROM job");
   return ids_of(select);
 }
 
 api::Result<std::vector<std::string>> JobStore::expired(std::int64_t limit) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare(
+  Reading reading(*readers_);
+  Statement select = reading.prepare(
       "SELECT id FROM job INDEXED BY job_expiry WHERE expires_ms IS NOT NULL AND expires_ms <= ? "
       "AND pinned = 0 ORDER BY expires_ms LIMIT ?");
   select.bind(clock_()).bind(limit);
@@ -92,14 +92,9 @@ api::Status JobStore::record_bytes(std::int64_t job_seq, std::int64_t bytes) {
   return update.bind(bytes).bind(job_seq).bind(bytes).run();
 }
 
-api::Status JobStore::record_use(std::int64_t job_seq) {
-  const std::lock_guard lock(mutex_);
-  Statement update = database_.prepare("UPDATE job SET used_ms = ? WHERE seq = ?");
-  return update.bind(clock_()).bind(job_seq).run();
-}
-
 api::Result<std::vector<JobStore::Unused>> JobStore::least_used(std::int64_t limit) {
   const std::lock_guard lock(mutex_);
+  (void)keep_uses_locked();  // on a full disk room is to be made all the same
   Statement select = database_.prepare(
       "SELECT id, bytes FROM job INDEXED BY job_unused WHERE finished_ms IS NOT NULL AND pinned = 0 "
       "AND removing = 0 ORDER BY last_ms LIMIT ?");
@@ -111,10 +106,10 @@ api::Result<std::vector<JobStore::Unused>> JobStore::least_used(std::int64_t lim
 }
 
 api::Result<std::vector<Job>> JobStore::finished_after(std::int64_t seq, std::int64_t limit) {
-  const std::lock_guard lock(mutex_);
+  Reading reading(*readers_);
   Statement select =
-      database_.prepare(select_jobs(Reports::left_out) +
-                        "WHERE seq > ? AND finished_ms IS NOT NULL AND removing = 0 ORDER BY seq LIMIT ?");
+      reading.prepare(select_jobs(Reports::left_out) +
+                      "WHERE seq > ? AND finished_ms IS NOT NULL AND removing = 0 ORDER BY seq LIMIT ?");
   select.bind(seq).bind(limit);
   std::vector<Job> jobs;
   while (select.next()) jobs.push_back(read_job(select));

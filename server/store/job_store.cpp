@@ -12,6 +12,9 @@ namespace {
 using api::Fault;
 using api::JobState;
 
+// Reading is work for the processor, mostly: more of them at once would not read faster.
+constexpr std::size_t kReaders = 4;
+
 }  // namespace
 
 api::Error no_such_job(std::string_view id) {
@@ -28,7 +31,9 @@ api::Result<std::unique_ptr<JobStore>> JobStore::open(const std::filesystem::pat
   if (!database) return database.error();
   if (const api::Status whole = check_integrity(*database); !whole) return whole.error();
   if (const api::Status migrated = migrate_file(*database, file); !migrated) return migrated.error();
-  return std::unique_ptr<JobStore>(new JobStore(std::move(*database), std::move(clock)));
+  auto readers = ReadPool::open(file, kReaders);
+  if (!readers) return readers.error();
+  return std::unique_ptr<JobStore>(new JobStore(std::move(*database), std::move(*readers), std::move(clock)));
 }
 
 // The one place where a job changes its state. Inside the caller's transaction.
@@ -82,8 +87,8 @@ api::Status JobStore::insert_labels(std::int64_t seq, const api::Labels& labels)
   return api::Done{};
 }
 
-api::Status JobStore::read_labels(std::span<Job> jobs) {
-  Statement select = database_.prepare("SELECT name, value FROM job_label WHERE job_seq = ?");
+api::Status JobStore::read_labels(Database& database, std::span<Job> jobs) {
+  Statement select = database.prepare("SELECT name, value FROM job_label WHERE job_seq = ?");
   for (Job& job : jobs) {
     select.bind(job.seq);
     while (select.next()) job.settings.labels[select.text(0)] = select.text(1);
@@ -99,7 +104,7 @@ api::Result<Job> JobStore::insert(const NewJob& job, const Ceilings& most) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);
   if (const api::Status begun = transaction.begin(); !begun) return begun.error();
-  if (const api::Status room = admit_locked(job.owner, bytes, most); !room) return room.error();
+  if (const api::Status room = admit_in(database_, job.owner, bytes, most); !room) return room.error();
   const std::int64_t now = clock_();
   if (const api::Status done = insert_row(job, now); !done) return done.error();
   const std::int64_t seq = database_.last_row();
@@ -125,31 +130,31 @@ api::Result<Job> JobStore::insert(const NewJob& job, const Ceilings& most) {
       "'')");
   if (const api::Status done = event.bind(seq).bind(now).run(); !done) return done.error();
   // Read before the commit: once that is done, nothing may make the caller believe that there is no job.
-  auto inserted = job_locked(job.id);
+  auto inserted = job_in(database_, job.id);
   if (!inserted) return inserted;
   if (const api::Status done = transaction.commit(); !done) return done.error();
   return inserted;
 }
 
-api::Result<Job> JobStore::job_locked(std::string_view id) {
-  Statement select = database_.prepare(select_jobs(Reports::read) + "WHERE id = ? AND removing = 0");
+api::Result<Job> JobStore::job_in(Database& database, std::string_view id) {
+  Statement select = database.prepare(select_jobs(Reports::read) + "WHERE id = ? AND removing = 0");
   select.bind(id);
   const bool found = select.next();
   if (const api::Status ok = select.status(); !ok) return ok.error();
   if (!found) return no_such_job(id);
   Job job = read_job(select);
-  if (const api::Status labels = read_labels({&job, 1}); !labels) return labels.error();
+  if (const api::Status labels = read_labels(database, {&job, 1}); !labels) return labels.error();
   return job;
 }
 
 api::Result<Job> JobStore::job(std::string_view id) {
-  const std::lock_guard lock(mutex_);
-  return job_locked(id);
+  Reading reading(*readers_);
+  return job_in(reading.database(), id);
 }
 
 api::Result<std::string> JobStore::owner_of(std::string_view id) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT owner FROM job WHERE id = ? AND removing = 0");
+  Reading reading(*readers_);
+  Statement select = reading.prepare("SELECT owner FROM job WHERE id = ? AND removing = 0");
   select.bind(id);
   const bool found = select.next();
   if (const api::Status ok = select.status(); !ok) return ok.error();
@@ -158,7 +163,7 @@ api::Result<std::string> JobStore::owner_of(std::string_view id) {
 }
 
 api::Result<std::vector<Job>> JobStore::list(const JobFilter& filter, std::int64_t limit) {
-  const std::lock_guard lock(mutex_);
+  Reading reading(*readers_);
   std::string where = "WHERE removing = 0 AND seq < ?";
   if (filter.state) where += " AND state = ?";
   for (const auto& owner : {filter.owner, filter.visible_to})
@@ -166,7 +171,7 @@ api::Result<std::vector<Job>> JobStore::list(const JobFilter& filter, std::int64
   for (const LabelFilter& label : filter.labels)
     where += std::string(" AND EXISTS (SELECT 1 FROM job_label WHERE job_seq = seq AND job_label.name = ?") +
              (label.value ? " AND value = ?)" : ")");
-  Statement select = database_.prepare(select_jobs(Reports::left_out) + where + " ORDER BY seq DESC LIMIT ?");
+  Statement select = reading.prepare(select_jobs(Reports::left_out) + where + " ORDER BY seq DESC LIMIT ?");
   select.bind(filter.before_seq.value_or(INT64_MAX));
   if (filter.state) select.bind(api::name_of(*filter.state));
   for (const auto& owner : {filter.owner, filter.visible_to})
@@ -179,13 +184,13 @@ api::Result<std::vector<Job>> JobStore::list(const JobFilter& filter, std::int64
   std::vector<Job> jobs;
   while (select.next()) jobs.push_back(read_job(select));
   if (const api::Status ok = select.status(); !ok) return ok.error();
-  if (const api::Status labels = read_labels(jobs); !labels) return labels.error();
+  if (const api::Status labels = read_labels(reading.database(), jobs); !labels) return labels.error();
   return jobs;
 }
 
 api::Result<std::int64_t> JobStore::count(JobState state) {
-  const std::lock_guard lock(mutex_);
-  Statement select = database_.prepare("SELECT count(*) FROM job WHERE state = ? AND removing = 0");
+  Reading reading(*readers_);
+  Statement select = reading.prepare("SELECT count(*) FROM job WHERE state = ? AND removing = 0");
   select.bind(api::name_of(state));
   const std::int64_t count = select.next() ? select.integer(0) : 0;
   if (const api::Status ok = select.status(); !ok) return ok.error();

@@ -1,7 +1,9 @@
 // Typed reads and writes of jobs. Every write is one transaction; every step between states goes through one
-// private function that checks it, raises the version and leaves an event.
+// private function that checks it, raises the version and leaves an event. Reads have connections of their
+// own: they never wait for a write, and see what was written as soon as the write has returned.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -12,11 +14,14 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "api/result.h"
 #include "server/store/database.h"
 #include "server/store/job_rows.h"
+#include "server/store/read_pool.h"
+#include "server/store/write_mutex.h"
 
 namespace server {
 
@@ -26,6 +31,9 @@ std::int64_t system_clock_ms();
 
 /// The error, not_found, for a job that does not exist.
 api::Error no_such_job(std::string_view id);
+
+/// A write that takes longer waits for a disk that does not answer.
+inline constexpr std::chrono::seconds kWriteMax{10};
 
 /// Code of the violation in an error, of Fault::internal, that is told to whoever asks for a damaged file.
 inline constexpr std::string_view kDamagedFile = "damaged_file";
@@ -43,6 +51,7 @@ class JobStore {
  public:
   static api::Result<std::unique_ptr<JobStore>> open(const std::filesystem::path& file,
                                                      Clock clock = system_clock_ms);
+  ~JobStore();
 
   // Clients: job_store.cpp.
   /// With its key, if it has one; wrong_state where that key has a job already. What `most` says is looked at
@@ -57,7 +66,8 @@ class JobStore {
   /// Newest first.
   api::Result<std::vector<Job>> list(const JobFilter& filter, std::int64_t limit);
   api::Result<std::int64_t> count(api::JobState state);
-  /// Could something be written now? Nothing is: job_store_health.cpp.
+  /// Could something be written now? Nothing is, and it does not wait for who writes: where that takes longer
+  /// than kWriteMax the disk does not answer. job_store_health.cpp.
   api::Status can_write();
   /// cancel, pause, resume or retry, as api::kJobReactions says; a wish that is fulfilled already changes
   /// nothing.
@@ -80,8 +90,6 @@ class JobStore {
   /// Finished jobs whose time is over, at most `limit`.
   api::Result<std::vector<std::string>> expired(std::int64_t limit);
   api::Status record_bytes(std::int64_t job_seq, std::int64_t bytes);
-  /// Somebody asked for its results.
-  api::Status record_use(std::int64_t job_seq);
   struct Unused {
     std::string id;
     std::int64_t bytes = 0;
@@ -97,7 +105,7 @@ class JobStore {
   /// Errors: also over_quota, where `most` does not leave it room.
   api::Status keep_blob(std::string_view owner, std::string_view sha256, std::int64_t bytes,
                         const Ceilings& most = {});
-  /// Is it this owner's? Then it counts as used now.
+  /// Is it this owner's? Then it counts as used now; see record_use.
   api::Result<bool> use_blob(std::string_view owner, std::string_view sha256);
   /// Those that have not been used since. -> how many
   api::Result<std::int64_t> forget_blobs(std::int64_t before_ms);
@@ -107,6 +115,13 @@ class JobStore {
   api::Result<std::set<std::string, std::less<>>> blobs();
   /// Of all owners, or of one. What two have is counted twice.
   api::Result<std::int64_t> blob_bytes(std::optional<std::string_view> owner = std::nullopt);
+
+  // What is used stays longest. Using it is reading, and waits for no write: job_uses.cpp.
+  /// Somebody asked for its results. It is remembered until keep_uses.
+  void record_use(std::int64_t job_seq);
+  /// Writes what was used since the last time. To be called now and then; also done before the store goes by
+  /// it, and at its end. What a crash forgets goes a little earlier.
+  api::Status keep_uses();
 
   // Keys of submissions: job_keys.cpp.
   struct KeyedJob {
@@ -185,19 +200,27 @@ class JobStore {
     std::string owner;
   };
 
-  JobStore(Database database, Clock clock) : database_(std::move(database)), clock_(std::move(clock)) {}
+  /// When it was used last.
+  struct Uses {
+    std::map<std::int64_t, std::int64_t> of_jobs;                          ///< by seq
+    std::map<std::pair<std::string, std::string>, std::int64_t> of_blobs;  ///< by owner and hash
+  };
+
+  JobStore(Database database, std::unique_ptr<ReadPool> readers, Clock clock)
+      : database_(std::move(database)), readers_(std::move(readers)), clock_(std::move(clock)) {}
 
   api::Status step(const Step& step);
   api::Status enter_queue(std::int64_t seq);
   api::Status leave_word(const Job& job);
-  api::Status admit_locked(std::string_view owner, std::int64_t bytes, const Ceilings& most);
-  api::Status admit_to_queue(std::string_view owner, const Ceilings& most);
-  api::Result<std::int64_t> total_bytes_locked(std::optional<std::string_view> owner);
-  api::Result<std::int64_t> unused_bytes_locked();
-  api::Result<std::int64_t> blob_bytes_locked(std::optional<std::string_view> owner);
+  static api::Status admit_in(Database& database, std::string_view owner, std::int64_t bytes,
+                              const Ceilings& most);
+  static api::Status admit_to_queue(Database& database, std::string_view owner, const Ceilings& most);
+  static api::Result<std::int64_t> total_bytes_in(Database& database, std::optional<std::string_view> owner);
+  static api::Result<std::int64_t> unused_bytes_in(Database& database);
+  static api::Result<std::int64_t> blob_bytes_in(Database& database, std::optional<std::string_view> owner);
   api::Status insert_row(const NewJob& job, std::int64_t now);
   api::Status insert_labels(std::int64_t seq, const api::Labels& labels);
-  api::Status read_labels(std::span<Job> jobs);
+  static api::Status read_labels(Database& database, std::span<Job> jobs);
   api::Status write_settings(const Job& job);
   api::Result<std::optional<Chosen>> choose(const Room& room, std::int64_t now);
   api::Result<Lease> begin_attempt(const Chosen& chosen, std::int64_t now);
@@ -206,14 +229,20 @@ class JobStore {
   api::Status leave_running(const Lease& lease, api::JobEvent event, const StepReason& why,
                             const AttemptEnd& end, std::string_view report_json);
   api::Status insert_results(std::int64_t job_seq, const Results& results);
-  api::Result<QueueSwitch> queue_locked();
-  api::Result<std::vector<OwnerTurn>> owner_turns_locked();
-  api::Result<Job> job_locked(std::string_view id);
-  api::Result<Job> leased_job_locked(const Lease& lease);
+  static api::Result<QueueSwitch> queue_in(Database& database);
+  static api::Result<std::vector<OwnerTurn>> owner_turns_in(Database& database);
+  static api::Result<Job> job_in(Database& database, std::string_view id);
+  static api::Result<Job> leased_job_in(Database& database, const Lease& lease);
 
-  std::mutex mutex_;
-  Database database_;
+  api::Status keep_uses_locked();
+  api::Status write_uses(const Uses& uses);
+
+  WriteMutex mutex_;
+  Database database_;  ///< to write; under mutex_
+  const std::unique_ptr<ReadPool> readers_;
   Clock clock_;
+  std::mutex using_;
+  Uses uses_;  ///< under using_
 };
 
 }  // namespace server
