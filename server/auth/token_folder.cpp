@@ -162,27 +162,32 @@ std::optional<Token> TokenFolder::read(const std::string& prefix) const {
   return token;
 }
 
+// The disk is asked without the lock: whoever waits for it waits alone.
+std::optional<Token> TokenFolder::current(const std::string& prefix) {
+  struct stat status {};
+  const bool there = ::stat(file_of(prefix).c_str(), &status) == 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(prefix);
+    if (known != known_.end() && there && known->second.changed_ns == changed_ns(status) &&
+        known->second.inode == status.st_ino)
+      return known->second.token;
+    if (known != known_.end()) known_.erase(known);
+  }
+  auto token = there ? read(prefix) : std::nullopt;
+  if (!token) return std::nullopt;
+  // Of a file that was replaced meanwhile this is found to be old at the next request.
+  const std::lock_guard lock(mutex_);
+  known_.insert_or_assign(prefix, Known{*token, changed_ns(status), status.st_ino});
+  return token;
+}
+
 std::optional<Token> TokenFolder::find(std::string_view text, std::int64_t now_ms) {
   const auto prefix = prefix_of(text);
   if (!prefix) return std::nullopt;
-  const std::lock_guard lock(mutex_);
-  struct stat status {};
-  const bool there = ::stat(file_of(*prefix).c_str(), &status) == 0;
-  auto known = known_.find(*prefix);
-  if (known != known_.end() &&
-      (!there || known->second.changed_ns != changed_ns(status) || known->second.inode != status.st_ino)) {
-    known_.erase(known);
-    known = known_.end();
-  }
-  if (!there) return std::nullopt;
-  if (known == known_.end()) {
-    auto token = read(*prefix);
-    if (!token) return std::nullopt;
-    known = known_.emplace(*prefix, Known{std::move(*token), changed_ns(status), status.st_ino}).first;
-  }
-  const Token& token = known->second.token;
-  if (!equal_in_constant_time(sha256_of(text), token.sha256)) return std::nullopt;
-  if (token.expires_ms && now_ms >= *token.expires_ms) return std::nullopt;
+  auto token = current(*prefix);
+  if (!token || !equal_in_constant_time(sha256_of(text), token->sha256)) return std::nullopt;
+  if (token->expires_ms && now_ms >= *token->expires_ms) return std::nullopt;
   return token;
 }
 

@@ -75,6 +75,7 @@ class TokenFolder {
 
   std::filesystem::path file_of(std::string_view prefix) const;
   std::optional<Token> read(const std::string& prefix) const;
+  std::optional<Token> current(const std::string& prefix);
 
   std::filesystem::path folder_;
   Sessions sessions_;

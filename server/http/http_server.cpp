@@ -102,15 +102,11 @@ struct HttpServer::Library {
   }
 
   void set_limits() {
-    server.new_task_queue = [this] {
-      return server.open({rules.threads, rules.connections_waiting_max}, lobby_rules());
-    };
     // The library's default shares the port with whoever else asks for it.
     server.set_socket_options([](auto socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
-    server.set_tcp_nodelay(true);  // otherwise every answer waits for the client's delayed acknowledgement
     const ConnectionRules& connections = server.connection_rules;
     server.set_keep_alive_max_count(connections.requests_max);  // these two are only said to clients
     server.set_keep_alive_timeout(std::chrono::duration_cast<std::chrono::seconds>(connections.idle).count());
@@ -294,7 +290,6 @@ struct HttpServer::Library {
   HttpRules rules;
   std::function<void(const Exchange&)> tell;
   std::atomic<bool> stopping = false;
-  std::atomic<bool> stopped = false;
   std::atomic<std::size_t> uploads = 0;
   std::atomic<std::size_t> answering = 0;  ///< requests that have come, and have no answer yet
   int port = 0;
@@ -330,13 +325,13 @@ int HttpServer::port() const {
 }
 
 bool HttpServer::run() {
-  return library_->server.listen_after_bind() || library_->stopping;
+  HttpServer::Library& library = *library_;
+  return library.server.listen_and_answer({library.rules.threads, library.rules.connections_waiting_max},
+                                          library.lobby_rules());
 }
 
 void HttpServer::drain(std::chrono::milliseconds patience) {
-  library_->stopped = true;
-  library_->server.wait_until_ready();
-  library_->server.stop();
+  library_->server.end_listening();
   const auto end = std::chrono::steady_clock::now() + patience;
   while (library_->answering > 0 && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -345,11 +340,7 @@ void HttpServer::drain(std::chrono::milliseconds patience) {
 
 void HttpServer::stop() {
   library_->stopping = true;
-  // The library forgets a stop that comes before its loop has begun.
-  if (!library_->stopped.exchange(true)) {
-    library_->server.wait_until_ready();
-    library_->server.stop();
-  }
+  library_->server.end_listening();
 }
 
 }  // namespace server

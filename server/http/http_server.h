@@ -60,7 +60,7 @@ class HttpServer {
   std::size_t uploads() const;  ///< under way
   /// Answers requests until `stop`. False: the socket failed.
   bool run();
-  /// Any other thread than `run`'s, which must have been started. Takes no new connections and waits up to
+  /// Any other thread than `run`'s. Takes no new connections and waits up to
   /// `patience` for requests that are being answered. Files on their way out are cut short: who fetches one
   /// comes back for the rest.
   void drain(std::chrono::milliseconds patience);

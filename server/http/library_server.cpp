@@ -1,8 +1,14 @@
 #include "server/http/library_server.h"
 
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <exception>
+#include <thread>
 #include <utility>
 
 #include "server/log.h"
@@ -11,6 +17,7 @@ namespace server {
 namespace {
 
 constexpr std::chrono::milliseconds kStay{50};
+constexpr std::chrono::milliseconds kScarcePause{20};
 
 thread_local Incoming* current_incoming = nullptr;
 
@@ -71,20 +78,6 @@ class LibraryStream : public httplib::Stream {
   std::size_t at_ = 0;
 };
 
-/// What the library takes for its threads: a connection goes to the lobby at once.
-class LobbyDoor : public httplib::TaskQueue {
- public:
-  explicit LobbyDoor(LibraryServer& server) : server_(server) {}
-  bool enqueue(std::function<void()> enter) override {
-    enter();
-    return true;
-  }
-  void shutdown() override { server_.close(); }
-
- private:
-  LibraryServer& server_;
-};
-
 ParsedHead refusal(int status, const char* detail) {
   return {{}, HeadRefusal{status, detail}};
 }
@@ -119,20 +112,79 @@ bool LibraryServer::answer(ClientSocket& client, const std::string& address, boo
   return written && !connection_closed && !incoming.close_after;
 }
 
-bool LibraryServer::process_and_close_socket(socket_t socket) {
+AcceptTrouble accept_trouble(int error_number) {
+  switch (error_number) {
+    case EBADF:
+    case EFAULT:
+    case EINVAL:
+    case ENOTSOCK:
+      return AcceptTrouble::no_socket;
+    case EMFILE:
+    case ENFILE:
+    case ENOBUFS:
+    case ENOMEM:
+      return AcceptTrouble::scarce;
+    default:
+      // Gone before it was let in, or an error of the network that Linux hands on as accept's own.
+      return AcceptTrouble::of_one;
+  }
+}
+
+LibraryServer::~LibraryServer() {
+  for (const int socket : {svr_sock_.load(), ended_socket_.load()})
+    if (socket != INVALID_SOCKET) ::close(socket);
+}
+
+bool LibraryServer::listen_and_answer(const ThreadRules& threads, LobbyRules lobby) {
+  open(threads, std::move(lobby));
+  const bool well = take_connections();
+  close();
+  return well;
+}
+
+bool LibraryServer::take_connections() {
+  bool told = false;
+  const int listening = svr_sock_;
+  while (svr_sock_ != INVALID_SOCKET) {
+    const int socket = ::accept4(listening, nullptr, nullptr, SOCK_CLOEXEC);
+    if (socket >= 0) {
+      let_in(socket);
+      continue;
+    }
+    const AcceptTrouble trouble = accept_trouble(errno);
+    if (svr_sock_ == INVALID_SOCKET) break;
+    if (trouble == AcceptTrouble::no_socket ||
+        (trouble == AcceptTrouble::scarce && !std::exchange(told, true)))
+      log_line("connections cannot be taken: " + std::string(std::strerror(errno)));
+    if (trouble == AcceptTrouble::no_socket) return false;
+    if (trouble == AcceptTrouble::scarce) std::this_thread::sleep_for(kScarcePause);
+  }
+  return true;
+}
+
+// The descriptor stays: closed, its number might be another file's before the thread that accepts has
+// noticed.
+void LibraryServer::end_listening() {
+  const int socket = svr_sock_.exchange(INVALID_SOCKET);
+  if (socket == INVALID_SOCKET) return;
+  ended_socket_ = socket;
+  ::shutdown(socket, SHUT_RDWR);
+}
+
+void LibraryServer::let_in(int socket) {
+  const int yes = 1;  // otherwise every answer waits for the client's delayed acknowledgement
+  ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
   std::string address;
   int port = 0;
   httplib::detail::get_remote_ip_and_port(socket, address, port);
   lobby_->enter({FileHandle(socket), std::move(address), connection_rules.requests_max, {}});
-  return true;
 }
 
-httplib::TaskQueue* LibraryServer::open(const ThreadRules& threads, LobbyRules lobby) {
+void LibraryServer::open(const ThreadRules& threads, LobbyRules lobby) {
   too_many_ = lobby.too_many;
   threads_ = std::make_unique<httplib::ThreadPool>(threads.threads, threads.threads, threads.waiting_max);
   lobby_ = std::make_unique<Lobby>(std::move(lobby), [this](Guest guest) { hand_on(std::move(guest)); });
   if (const api::Status started = lobby_->start(); !started) log_line(started.error().message);
-  return new LobbyDoor(*this);
 }
 
 void LibraryServer::close() {

@@ -1,7 +1,7 @@
-// cpp-httplib listens, keeps the threads and writes answers. What clients say it does not see: it would
-// decode the values of headers ("Transfer-Encoding: %63hunked"), take chunk sizes with a sign, and answer
-// ranges and WebSockets by itself. It is handed the method and the path of a request that parse_head has let
-// pass. Included by what talks to the library only.
+// cpp-httplib opens the socket, keeps the threads and writes answers. What clients say it does not see: it
+// would decode the values of headers ("Transfer-Encoding: %63hunked"), take chunk sizes with a sign, and
+// answer ranges and WebSockets by itself. It is handed the method and the path of a request that parse_head
+// has let pass. Included by what talks to the library only.
 #pragma once
 
 #include <httplib.h>
@@ -37,6 +37,14 @@ struct ConnectionRules {
   std::size_t requests_max = 1000;
 };
 
+/// What a failed accept(2) means.
+enum class AcceptTrouble {
+  of_one,    ///< one connection, or none: the next may be well
+  scarce,    ///< no descriptors or memory now: the connection waits in the kernel
+  no_socket  ///< nothing will ever come
+};
+AcceptTrouble accept_trouble(int error_number);
+
 struct ThreadRules {
   std::size_t threads = 64;
   std::size_t waiting_max = 256;  ///< requests whose head is there, for a thread
@@ -47,17 +55,24 @@ class LibraryServer : public httplib::Server {
   ConnectionRules connection_rules;             ///< set before it listens
   std::function<void()> when_answered = [] {};  ///< on the thread that did
 
-  /// Opens the lobby, and makes what the library is to hand connections to: they have a thread only while a
-  /// request of theirs is answered.
-  httplib::TaskQueue* open(const ThreadRules& threads, LobbyRules lobby);
-  /// Waits for all that is being answered.
-  void close();
+  ~LibraryServer() override;
+
+  /// Takes connections until end_listening, and returns when all that was asked is answered. They have a
+  /// thread only while a request of theirs is answered. Instead of the library's loop: that one ends, for
+  /// good, when the system is out of files or memory for a moment, or reports a client's network error.
+  /// False: the socket failed.
+  bool listen_and_answer(const ThreadRules& threads, LobbyRules lobby);
+  /// From any thread, also before it listens. New connections are refused from now on.
+  void end_listening();
 
   /// The request that this thread answers. Only from the library's handlers.
   static Incoming& incoming();
 
  private:
-  bool process_and_close_socket(socket_t socket) override;
+  void open(const ThreadRules& threads, LobbyRules lobby);
+  bool take_connections();
+  void let_in(int socket);
+  void close();
   void hand_on(Guest guest);
   void serve(Guest guest);
   void answer_all(ClientSocket& client, Guest& guest);
@@ -68,6 +83,7 @@ class LibraryServer : public httplib::Server {
   std::string too_many_;
   std::atomic<std::size_t> waiting_ = 0;  ///< for a thread
   std::atomic<bool> closing_ = false;
+  std::atomic<int> ended_socket_ = INVALID_SOCKET;  ///< that nobody listens to any more
 };
 
 }  // namespace server

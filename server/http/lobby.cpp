@@ -132,9 +132,13 @@ void Lobby::send_away_late() {
       place = next;
     }
   }
-  // Who has said nothing expects no answer.
-  for (const Guest& guest : late)
-    if (look_at(guest, seen_) == Seen::part) say_in_passing(guest, rules_.too_slow);
+  for (Guest& guest : late) {
+    const Seen seen = look_at(guest, seen_);
+    if (seen == Seen::part) say_in_passing(guest, rules_.too_slow);
+    // It was in time, and we are late: many came at once, or this process had no processor for a while.
+    if (seen == Seen::enough) ready_(std::move(guest));
+    // Who has said nothing expects no answer.
+  }
 }
 
 void Lobby::run() {

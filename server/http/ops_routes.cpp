@@ -1,5 +1,6 @@
 #include "server/http/ops_routes.h"
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <utility>
@@ -14,7 +15,8 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-/// The result of a check that strangers may ask for, asked for itself now and then only.
+/// The result of a check that strangers may ask for, asked for itself now and then only, by one of them; the
+/// others do not wait for a check that takes long.
 class Remembered {
  public:
   Remembered(std::function<api::Status()> check, std::chrono::seconds every)
@@ -22,24 +24,30 @@ class Remembered {
 
   /// Is all well? What is wrong is logged once.
   bool ask() {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock && answered_) return well_;
+    if (!lock) lock.lock();  // there is no answer yet
     const auto now = SteadyClock::now();
     if (!asked_ || now - *asked_ >= every_) {
       const api::Status status = check_();
       const std::string trouble = status ? "" : status.error().message;
       if (!trouble.empty() && trouble != trouble_) log_event("not ready", {{"why", trouble}});
       trouble_ = trouble;
+      well_ = trouble_.empty();
       asked_ = SteadyClock::now();
+      answered_ = true;
     }
-    return trouble_.empty();
+    return well_;
   }
 
  private:
   const std::function<api::Status()> check_;
   const std::chrono::seconds every_;
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< of what follows
   std::optional<SteadyClock::time_point> asked_;
   std::string trouble_;
+  std::atomic<bool> answered_ = false;  ///< and these two without it
+  std::atomic<bool> well_ = false;
 };
 
 struct Readiness {

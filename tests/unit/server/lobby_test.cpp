@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <thread>
+#include <vector>
 
 namespace server {
 namespace {
@@ -115,6 +116,24 @@ TEST_F(LobbyTest, WhoDribblesIsToldSoAndWhoSaysNothingIsLeft) {
   EXPECT_EQ(dribbling.hear(), "too slow");
   EXPECT_EQ(silent.hear(), "");
   EXPECT_EQ(ready_, 0);
+}
+
+TEST_F(LobbyTest, WhoHasSaidAllInTimeIsHandedOnHoweverLateWeLook) {
+  // More at once than are looked at in one go, and time passes before the others are.
+  constexpr int kClients = 150;
+  rules_.idle = milliseconds(200);
+  std::atomic<bool> first = true;
+  lobby_ = std::make_unique<Lobby>(rules_, [&](const Guest&) {
+    if (first.exchange(false)) std::this_thread::sleep_for(2 * rules_.idle);
+    ++ready_;
+  });
+  ASSERT_TRUE(lobby_->start());
+  std::vector<Client> clients(kClients);
+  for (Client& client : clients) {
+    client.say("GET / HTTP/1.1\r\n\r\n");
+    enter(client);
+  }
+  EXPECT_TRUE(becomes_ready(kClients)) << ready_;
 }
 
 TEST_F(LobbyTest, WhereThereAreTooManyTheOneThatHasBeenThereLongestGoes) {
