@@ -44,7 +44,7 @@ export async function errorOf(response: Response): Promise<ApiError> {
 /** For a toast or a line of text: what happened, and what to do where that is known. */
 export function messageOf(error: unknown): string {
   if (!(error instanceof ApiError)) return error instanceof Error ? error.message : String(error);
-  if (error.offline) return "The service does not answer. Is it running? It is tried again by itself.";
+  if (error.offline) return `${sentence(error.message)} It is tried again by itself.`;
   const wait = error.retryAfterSeconds === null ? "" : ` Try again in ${error.retryAfterSeconds} s.`;
   const places = error.errors.slice(0, 3).map((place) => `${placeOf(place)}: ${place.detail}`);
   return [sentence(error.message) + wait, ...places].join(" ");

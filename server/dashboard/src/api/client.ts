@@ -2,6 +2,7 @@
 import type { paths } from "openapi";
 import { Signal } from "../base/signal";
 import { ApiError, errorOf } from "./api_error";
+import { Silence } from "./silence";
 
 type Method = "get" | "post" | "put" | "patch" | "delete";
 type Operation<P extends keyof paths, M extends Method> = M extends keyof paths[P] ? paths[P][M] : never;
@@ -34,6 +35,8 @@ export const access = new Signal<"unknown" | "granted" | "denied">("unknown");
 
 const kRetriesMax = 3;
 const kWaitSecondsMax = 10;
+/** Who reads is answered at once. Longer means that nobody answers, or that nobody hears us: asking anew is better. */
+export const kSilenceMsMax = 20_000;
 
 /** "/v1/jobs/{id}" and its values as the path and query that are sent. */
 export function urlOf(path: string, options: Pick<RequestOptions, "path" | "query"> = {}): string {
@@ -46,9 +49,13 @@ export function urlOf(path: string, options: Pick<RequestOptions, "path" | "quer
   return query.size > 0 ? `${filled}?${query}` : filled;
 }
 
-/** JSON from the service. Asks again by itself where the service says when (429, 503). Errors: ApiError. */
+/** JSON from the service. Asks again by itself where the service says when (429, 503), and is given up when it falls silent
+ * for kSilenceMsMax. Errors: ApiError. */
 export async function get<P extends WithMethod<"get">>(path: P, options: RequestOptions = {}): Promise<Answer<P, "get">> {
-  return answerOf(await fetchPatiently(urlOf(path, options), options)) as Promise<Answer<P, "get">>;
+  return withoutSilence(options.signal, async (signal, silence) => {
+    const response = await fetchPatiently(urlOf(path, options), { ...options, signal }, silence);
+    return response.status === 204 ? undefined : JSON.parse(await textOf(response, silence));
+  }) as Promise<Answer<P, "get">>;
 }
 
 /** A request that changes something: sent once. Errors: ApiError, which says when to try again. */
@@ -65,25 +72,62 @@ export async function send<M extends Exclude<Method, "get">, P extends WithMetho
   return answerOf(response) as Promise<Answer<P, M>>;
 }
 
-/** Any other bytes: pictures, arrays (with a Range), text. `url` as the service's links say. Errors: ApiError. */
+/** Any other bytes: pictures, arrays (with a Range), text. `url` as the service's links say. The answer begins within
+ * kSilenceMsMax, and may then take as long as it likes. Errors: ApiError. */
 export async function fetchBytes(url: string, options: Pick<RequestOptions, "headers" | "signal"> = {}): Promise<Response> {
-  return fetchPatiently(url, options);
+  return withoutSilence(options.signal, (signal, silence) => fetchPatiently(url, { ...options, signal }, silence));
+}
+
+/** Does `work` with a signal that also aborts when nothing has been heard for too long. */
+async function withoutSilence<T>(
+  stop: AbortSignal | undefined,
+  work: (signal: AbortSignal, silence: Silence) => Promise<T>,
+): Promise<T> {
+  const controller = new AbortController();
+  const silence = new Silence(controller, kSilenceMsMax);
+  try {
+    return await work(stop ? AbortSignal.any([stop, controller.signal]) : controller.signal, silence);
+  } catch (error) {
+    if (!silence.tooLong || stop?.aborted) throw error;
+    throw new ApiError(0, `The service has not answered for ${kSilenceMsMax / 1000} s: it, its disk or the network is very busy`);
+  } finally {
+    silence.end();
+  }
+}
+
+async function textOf(response: Response, silence: Silence): Promise<string> {
+  if (!response.body) return response.text();
+  const reader = response.body.getReader();
+  const decoder = new TextDecoder();
+  let text = "";
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return text + decoder.decode();
+    silence.broken();
+    text += decoder.decode(value, { stream: true });
+  }
 }
 
 async function answerOf(response: Response): Promise<unknown> {
   return response.status === 204 ? undefined : response.json();
 }
 
-async function fetchPatiently(url: string, options: Pick<RequestOptions, "headers" | "signal">): Promise<Response> {
+async function fetchPatiently(
+  url: string,
+  options: Pick<RequestOptions, "headers" | "signal">,
+  silence: Silence,
+): Promise<Response> {
   for (let tries = 0; ; ++tries) {
     // no-cache: the browser asks whether what it has is still true (ETag), so polling costs a 304.
     const cache = options.headers?.["Range"] ? "default" : "no-cache";
     const response = await fetchOnce(url, { headers: options.headers, signal: options.signal, cache });
+    silence.broken();
     if (response.ok) return response;
     const error = await errorOf(response);
     const wait = error.retryAfterSeconds;
     if ((error.status !== 429 && error.status !== 503) || wait === null || wait > kWaitSecondsMax || tries >= kRetriesMax) throw error;
     await sleep(wait, options.signal);
+    silence.broken();
   }
 }
 
@@ -93,7 +137,7 @@ async function fetchOnce(url: string, init: RequestInit): Promise<Response> {
     response = await fetch(url, { credentials: "same-origin", ...init });
   } catch (error) {
     if (init.signal?.aborted) throw error;
-    throw new ApiError(0, "the service does not answer");
+    throw new ApiError(0, "The service does not answer. Is it running?");
   }
   if (response.status === 401) access.value = "denied";
   else if (response.ok && url.startsWith("/v1/jobs")) access.value = "granted";

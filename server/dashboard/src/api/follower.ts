@@ -1,6 +1,7 @@
 // Follows /v1/events for as long as it lives: goes on from the last event after a break, polls where the service has
 // no place for another listener, and comes back by itself. Runs in the shared worker, or in the page without one.
 import { EventStreamParser } from "./event_stream";
+import { Silence } from "./silence";
 import type { JobEvent, JobGone, JobProgress } from "./types";
 
 export type ConnectionState =
@@ -138,26 +139,5 @@ export class Follower {
     } catch {
       if (this.state.how !== "offline") this.set({ how: "offline", sinceMs: Date.now() });
     }
-  }
-}
-
-/** Aborts what nobody has said anything on for too long: a connection can be dead without anybody noticing. */
-class Silence {
-  private timer: ReturnType<typeof setTimeout>;
-
-  constructor(
-    private readonly controller: AbortController,
-    private readonly ms: number,
-  ) {
-    this.timer = setTimeout(() => controller.abort(), ms);
-  }
-
-  broken(): void {
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.controller.abort(), this.ms);
-  }
-
-  end(): void {
-    clearTimeout(this.timer);
   }
 }

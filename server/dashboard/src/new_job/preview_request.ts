@@ -8,7 +8,7 @@ export async function previewOf(form: FormData, signal: AbortSignal): Promise<Ar
     response = await fetch("/v1/preview", { method: "POST", body: form, credentials: "same-origin", signal });
   } catch (error) {
     if (signal.aborted) throw error;
-    throw new ApiError(0, "the service does not answer");
+    throw new ApiError(0, "The service does not answer. Is it running?");
   }
   if (!response.ok) throw await errorOf(response);
   return response.arrayBuffer();

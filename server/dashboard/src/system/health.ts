@@ -1,6 +1,6 @@
 // /readyz, which answers 503 with a body when something is wrong, and /metrics, which is no JSON.
 import { ApiError } from "../api/api_error";
-import { fetchBytes } from "../api/client";
+import { fetchBytes, kSilenceMsMax } from "../api/client";
 
 export interface Readiness {
   ready: boolean;
@@ -16,9 +16,9 @@ export interface Sample {
 export async function fetchReadiness(): Promise<Readiness> {
   let response: Response;
   try {
-    response = await fetch("/readyz", { cache: "no-store" });
+    response = await fetch("/readyz", { cache: "no-store", signal: AbortSignal.timeout(kSilenceMsMax) });
   } catch {
-    throw new ApiError(0, "the service does not answer");
+    throw new ApiError(0, "The service does not answer. Is it running?");
   }
   const { status, checks } = (await response.json()) as { status: string; checks: Record<string, string> };
   return { ready: status === "ready", checks };
