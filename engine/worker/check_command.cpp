@@ -26,7 +26,11 @@ api::Status run_check(const JobFolder& folder, const CheckCommand& command, cons
   const auto read = read_job_request(folder);
   if (!read) return read.error();
   if (!read->violations.empty()) return parts.refuse(*read, folder.input(), [] { return false; });
-  if (command.preview) return parts.preview(read->request, folder.input(), folder.preview(), report);
+  if (command.preview) {
+    std::error_code failed;
+    std::filesystem::create_directory(folder.preview().parent_path(), failed);
+    return parts.preview(read->request, folder.input(), folder.preview(), report);
+  }
   return checker(read->request, folder.input(), command.threads, report);
 }
 
@@ -49,6 +53,10 @@ std::string forecast_text(const std::optional<api::Forecast>& forecast) {
   return text;
 }
 
+ReportWriting writing_of(const CheckCommand& command) {
+  return command.sandbox ? ReportWriting::in_place : ReportWriting::replaced;
+}
+
 void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCommand& command,
                       double wall_seconds) {
   const api::Status why = code == api::ExitCode::stopped
@@ -59,7 +67,7 @@ void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCo
   api::JobReport report;
   complete_report(why, wall_seconds, report);
   tell_report(report);
-  write_report_in_haste(folder.check_report(), report);
+  write_report_in_haste(folder.check_report(), report, writing_of(command));
 }
 
 }  // namespace
@@ -75,15 +83,18 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
     if (const api::Status bound = bind_to_parent(*command.parent); !bound) return give_up(bound.error());
   }
   const api::Result<std::string> sandbox =
-      command.sandbox ? enter_sandbox({.write = {command.job_folder}}) : std::string();
+      command.sandbox ? enter_sandbox(rules_of_check(command.job_folder, command.preview)) : std::string();
   if (!sandbox) return give_up(sandbox.error());
   std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
   std::atomic<const JobFolder*> opened = nullptr;  // what the watch may write into
+  LastWord last_word;
   const auto watch = Watch::start({.end_with_stdin = command.parent.has_value(),
                                    .grace = std::chrono::milliseconds(0),
                                    .last_words = [&](api::ExitCode code) {
-                                     if (const JobFolder* mine = opened)
-                                       write_last_words(*mine, code, command, seconds_since(start));
+                                     const JobFolder* mine = opened;
+                                     if (mine && !last_word.take()) return false;
+                                     if (mine) write_last_words(*mine, code, command, seconds_since(start));
+                                     return true;
                                    }});
   if (!watch) return give_up(watch.error());
   const api::Status limited =
@@ -100,10 +111,11 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
   report.sandbox = *sandbox;
   const api::Status status =
       without_exceptions([&] { return run_check(*folder, command, checker, parts, report); });
+  last_word.take_or_end();
   complete_report(status, seconds_since(start), report);
   tell_report(report);
   if (status) tell("the job is sound" + counted(report) + forecast_text(report.forecast));
-  const api::Status written = write_report(folder->check_report(), report);
+  const api::Status written = write_report(folder->check_report(), report, writing_of(command));
   if (!written) tell("check.json: " + written.error().message);
   return exit_code_of(status ? written : status);
 }

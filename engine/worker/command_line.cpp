@@ -305,8 +305,8 @@ render   Solves the job in JOB_FOLDER/input (animation.json, scene.obj and what 
 
 check    Reads the job, counts its patches and forecasts what a run takes. Says so, and in check.json; touches
          nothing else, so that a run in the same folder goes on and its report.json stays.
-  --preview       instead of the forecast leave JOB_FOLDER/preview.npz: the shapes, their motion, cameras and
-                  lights, to show the scene before it is lit
+  --preview       instead of the forecast leave JOB_FOLDER/preview/preview.npz: the shapes, their motion, cameras
+                  and lights, to show the scene before it is lit
   --threads N     forecast for a run with N threads instead of all cores
   --memory-mb N   at most N MiB of memory for the job (2048)
   --seconds N     at most N seconds of processor time (60)

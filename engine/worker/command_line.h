@@ -37,7 +37,7 @@ struct CheckCommand {
   std::uint64_t memory_mb = 2048;    ///< [MiB] for the job; kCheckMemoryMbMin .. kCheckMemoryMbMax
   std::uint64_t seconds = 60;        ///< [s] of processor time, over all threads; 1 .. kCheckSecondsMax
   unsigned threads = 0;              ///< that the forecast is for; 0: all cores; 1 .. kThreadsMax
-  bool preview = false;              ///< write preview.npz, and no forecast
+  bool preview = false;              ///< write preview/preview.npz, and no forecast
   bool sandbox = false;              ///< enter_sandbox before anything of the job is read
   std::optional<pid_t> parent = {};  ///< --parent: end when this process ends, or when standard input closes
 };

@@ -68,7 +68,7 @@ struct EngineParts {
 api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, const EngineParts& parts = {});
 
 /// Runs `checker` (or, where the command asks for it, the previewer instead) with limits on this process,
-/// from which it does not recover, and writes check.json (and preview.npz) and nothing else: a worker may be
+/// from which it does not recover, and writes check.json (and preview/) and nothing else: a worker may be
 /// at the folder, or have finished it.
 /// Ends the process with limit_exceeded when the processor time is used up. Call from main, once.
 api::ExitCode check(const CheckCommand& command, const Checker& checker, const EngineParts& parts = {});

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <initializer_list>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
@@ -90,22 +91,46 @@ void remove_report(const fs::path& path, ReportWriting writing) {
     throw std::runtime_error(emptied.error().message);
 }
 
-}  // namespace
+/// Made where it is missing, so that it can be written to in a folder where nothing can be made. What is
+/// there under another name too, an input say, or is another kind of thing, goes: writing would change more
+/// than it.
+void make_file_of_its_own(const fs::path& path) {
+  struct stat about {};
+  if (::lstat(path.c_str(), &about) == 0 && !S_ISDIR(about.st_mode) &&
+      (!S_ISREG(about.st_mode) || about.st_nlink != 1))
+    (void)::unlink(path.c_str());
+  const File made(::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0640));
+}
 
-FileRules rules_of_run(const fs::path& job_folder) {
+/// `folders` and `files` of the job's folder are written, which is read. What cannot be made is passed over,
+/// and missed when it is needed.
+FileRules rules_in(const fs::path& job_folder, std::initializer_list<const char*> folders,
+                   std::initializer_list<const char*> files) {
   FileRules rules;
   rules.read = {job_folder};
-  for (const char* name : {"artefacts", "checkpoint"}) {
-    std::error_code ignored;  // what is not there is passed over, and missed when it is needed
+  for (const char* name : folders) {
+    std::error_code ignored;
+    if (fs::is_symlink(fs::symlink_status(job_folder / name, ignored)))
+      fs::remove(job_folder / name, ignored);
     fs::create_directory(job_folder / name, ignored);
     rules.write.push_back(job_folder / name);
   }
-  for (const char* name : {".lock", "progress.ndjson", "report.json"}) {
-    const File made(
-        ::open((job_folder / name).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0640));
+  for (const char* name : files) {
+    make_file_of_its_own(job_folder / name);
     rules.write.push_back(job_folder / name);
   }
   return rules;
+}
+
+}  // namespace
+
+FileRules rules_of_run(const fs::path& job_folder) {
+  return rules_in(job_folder, {"artefacts", "checkpoint"}, {".lock", "progress.ndjson", "report.json"});
+}
+
+FileRules rules_of_check(const fs::path& job_folder, bool with_preview) {
+  if (with_preview) return rules_in(job_folder, {"preview"}, {"check.json"});
+  return rules_in(job_folder, {}, {"check.json"});
 }
 
 api::Result<JobFolder> JobFolder::open(const fs::path& path, std::chrono::milliseconds patience) {

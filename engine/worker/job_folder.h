@@ -1,5 +1,5 @@
 // JOB_FOLDER and who may work in it: input/, artefacts/, checkpoint/, progress.ndjson, report.json, .lock of
-// `render`, check.json and preview.npz of `check`.
+// `render`, check.json and preview/ of `check`.
 #pragma once
 
 #include <chrono>
@@ -38,8 +38,9 @@ class JobFolder {
   std::filesystem::path report() const { return path_ / "report.json"; }
   /// The report of a check, apart from that of a run, which it must not replace.
   std::filesystem::path check_report() const { return path_ / "check.json"; }
-  /// What the scene looks like, where a check was asked for it.
-  std::filesystem::path preview() const { return path_ / "preview.npz"; }
+  /// What the scene looks like, where a check was asked for it. In a folder of its own: to make a file needs
+  /// the right to make others beside it.
+  std::filesystem::path preview() const { return path_ / "preview" / "preview.npz"; }
 
  private:
   JobFolder(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
@@ -53,8 +54,11 @@ class JobFolder {
 /// nothing beside input/, or input/ would be as open to it.
 FileRules rules_of_run(const std::filesystem::path& job_folder);
 
-/// How report.json is written: in a sandbox of rules_of_run it can only be overwritten, and one that is empty
-/// stands for none.
+/// The same for a check: check.json and, where a preview is wanted, preview/.
+FileRules rules_of_check(const std::filesystem::path& job_folder, bool with_preview);
+
+/// How report.json and check.json are written: in a sandbox of rules_of_run or rules_of_check each can only
+/// be overwritten, and one that is empty stands for none.
 enum class ReportWriting { replaced, in_place };
 
 /// Clears what an earlier attempt left, in this order: artefacts/manifest.json (durably, so that its presence

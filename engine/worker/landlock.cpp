@@ -64,11 +64,17 @@ std::size_t size_for(int version) {
                         : sizeof(std::uint64_t);
 }
 
-bool allow(int ruleset, const std::filesystem::path& path, std::uint64_t access) {
-  const int file = open(path.c_str(), O_PATH | O_CLOEXEC);
+/// flags: O_NOFOLLOW where a link must not stand for what it leads to, and is passed over.
+bool allow(int ruleset, const std::filesystem::path& path, std::uint64_t access, int flags = 0) {
+  const int file = open(path.c_str(), O_PATH | O_CLOEXEC | flags);
   if (file < 0) return errno == ENOENT || errno == ENOTDIR || errno == EACCES;
   struct stat about {};
-  if (fstat(file, &about) == 0 && !S_ISDIR(about.st_mode)) access &= kOfFiles;
+  const bool known = fstat(file, &about) == 0;
+  if (known && S_ISLNK(about.st_mode)) {
+    close(file);
+    return true;
+  }
+  if (known && !S_ISDIR(about.st_mode)) access &= kOfFiles;
   const landlock_path_beneath_attr rule{access, file};
   const bool added = syscall(kAddRule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
   const int fault = errno;
@@ -81,7 +87,7 @@ api::Status add_rules(int ruleset, const FileRules& rules, std::uint64_t handled
   for (const auto& path : rules.read)
     if (!allow(ruleset, path, kRead & handled)) return failure(path.string());
   for (const auto& path : rules.write)
-    if (!allow(ruleset, path, kWrite & handled)) return failure(path.string());
+    if (!allow(ruleset, path, kWrite & handled, O_NOFOLLOW)) return failure(path.string());
   for (const auto& path : rules.run)
     if (!allow(ruleset, path, kRun & handled)) return failure(path.string());
   return api::Done{};

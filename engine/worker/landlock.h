@@ -11,8 +11,10 @@ namespace engine {
 /// Folders, with all below them, and files. What does not exist is passed over.
 struct FileRules {
   std::vector<std::filesystem::path> read = {};
-  std::vector<std::filesystem::path> write = {};  ///< read, write, make and remove files and folders
-  std::vector<std::filesystem::path> run = {};    ///< read, and run as programs
+  /// Read, write, make and remove files and folders. A symbolic link is passed over: whoever can plant one
+  /// must not choose what is written.
+  std::vector<std::filesystem::path> write = {};
+  std::vector<std::filesystem::path> run = {};  ///< read, and run as programs
 };
 
 /// Version of Landlock that the kernel offers us; 0: none.

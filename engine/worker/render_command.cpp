@@ -156,10 +156,13 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, con
   if (!sandbox) return give_up(sandbox.error());
   std::optional<JobFolder> folder;                 // outlives the watch, which writes into it
   std::atomic<const JobFolder*> locked = nullptr;  // the watch must not write into a folder that is not ours
+  LastWord last_word;
   const auto watch =
       Watch::start({.end_with_stdin = command.parent.has_value(), .last_words = [&](api::ExitCode code) {
-                      if (const JobFolder* mine = locked)
-                        write_last_words(*mine, command, code, seconds_since(start));
+                      const JobFolder* mine = locked;
+                      if (mine && !last_word.take()) return false;
+                      if (mine) write_last_words(*mine, command, code, seconds_since(start));
+                      return true;
                     }});
   if (!watch) return give_up(watch.error());
   set_thread_count(command.threads);
@@ -180,6 +183,7 @@ api::ExitCode render(const RenderCommand& command, const Pipeline& pipeline, con
   const api::Status status = without_exceptions([&] {
     return run_attempt(*folder, command, pipeline, parts.refuse, fingerprint, **watch, start, report);
   });
+  last_word.take_or_end();
   if (status) report.fingerprint = fingerprint;
   return conclude(*folder, command, status, seconds_since(start), report);
 }

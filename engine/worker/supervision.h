@@ -15,8 +15,8 @@
 
 namespace engine {
 
-/// For every run: no new privileges, no core files, umask 027, SIGPIPE ignored. Call from main, before
-/// threads.
+/// For every run: no new privileges, no core files, umask 027, SIGPIPE ignored, memory that is freed goes
+/// back to the system. Call from main, before threads.
 void settle_in();
 
 /// For a run under a supervisor: SIGKILL when the parent dies, no inherited descriptors but 0, 1 and 2,
@@ -51,12 +51,26 @@ struct SelfLimits {
 /// tracers reserve far more of it than they use. Errors: internal. A limit that is already lower stays.
 api::Status limit_myself(const SelfLimits& limits);
 
+/// Who writes the report of this process: the thread that did the work, or the one that ends it in the midst
+/// of it. Whoever asks first; the other writes nothing.
+class LastWord {
+ public:
+  /// For the thread that listens. False: the other has it, and ends the process itself.
+  bool take() { return !taken_.exchange(true); }
+  /// For the thread that did the work. Does not return where the other has it, who ends the process.
+  void take_or_end();
+
+ private:
+  std::atomic<bool> taken_ = false;
+};
+
 /// A thread that hears what the outside wants while the main thread computes.
 ///
 /// SIGTERM and SIGINT: `stop_requested` turns true; unless the object is destroyed within `grace`, the
 /// process ends with ExitCode::stopped. SIGXCPU: the process ends with ExitCode::limit_exceeded.
 /// Standard input closed, where asked for: the process ends with ExitCode::stopped at once.
-/// `last_words` is called, on this thread, before the process is ended by the first two.
+/// `last_words` is called, on this thread, before the process is ended by the first two. Where it answers
+/// false the process is ending by itself: then this thread leaves it alone, and hears nothing more.
 ///
 /// The signals stay blocked in the calling thread and those it starts later, also after destruction: it
 /// stands for the rest of the process. A child process must unblock them.
@@ -65,7 +79,7 @@ class Watch {
   struct Options {
     bool end_with_stdin = false;
     std::chrono::milliseconds grace{900};
-    std::function<void(api::ExitCode)> last_words = [](api::ExitCode) {};
+    std::function<bool(api::ExitCode)> last_words = [](api::ExitCode) { return true; };
   };
 
   /// Call before other threads are started. Errors: internal.
@@ -78,9 +92,9 @@ class Watch {
  private:
   Watch(Options options, int signals, int farewell);
   void listen();
-  void hear_signal();
+  bool hear_signal();  ///< false: nothing more is to be heard
   void hear_stdin();
-  [[noreturn]] void end_process(api::ExitCode code);
+  void end_process(api::ExitCode code);
 
   const Options options_;
   const int signals_;   ///< signalfd

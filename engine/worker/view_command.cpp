@@ -125,9 +125,12 @@ api::ExitCode view(const ViewCommand& command, const ViewRenderer& render) {
   if (!sandbox) return give_up(sandbox.error());
   const ViewPaths paths = paths_of(command);
   std::atomic<bool> ours = false;
+  LastWord last_word;
   const auto watch =
       Watch::start({.end_with_stdin = command.parent.has_value(), .last_words = [&](api::ExitCode code) {
+                      if (ours && !last_word.take()) return false;
                       if (ours) write_last_words(paths, code, seconds_since(start));
+                      return true;
                     }});
   if (!watch) return give_up(watch.error());
   const api::Status limited = limit_myself({.memory_bytes = command.memory_mb << 20,
@@ -144,6 +147,7 @@ api::ExitCode view(const ViewCommand& command, const ViewRenderer& render) {
   report.sandbox = *sandbox;
   const api::Status status =
       without_exceptions([&] { return run_view(*folder, paths, render, **watch, report); });
+  last_word.take_or_end();
   complete_report(status, seconds_since(start), report);
   tell_report(report);
   if (status) tell("the view lies in " + paths.folder.string());

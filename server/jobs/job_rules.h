@@ -57,7 +57,7 @@ struct JobRules {
   WrittenRules written;
   WorkerBudget budget;
   CheckJob check;
-  CheckJob preview = {};  ///< the same, but for the forecast, and leaves preview.npz as well
+  CheckJob preview = {};  ///< the same, but for the forecast, and leaves preview/preview.npz as well
   std::function<void()> work_arrived = [] {};      ///< something was queued
   std::function<void()> cancel_requested = [] {};  ///< a running job is to stop
 };

@@ -92,7 +92,7 @@ api::Result<FileHandle> JobService::preview(const Upload& upload) {
     const std::filesystem::path folder = folder_.upload(upload.id);
     if (const auto options = read_options(upload, clock_()); !options) return options.error();
     if (const api::Status fine = rules_.preview(folder); !fine) return fine.error();
-    auto file = open_below(folder, "preview.npz");
+    auto file = open_below(folder, "preview/preview.npz");
     if (!file) return api::Error{Fault::internal, "the check of the job left no preview"};
     return file;
   };

@@ -120,7 +120,8 @@ class JobService {
   /// Checks the upload as submit does, and answers what the check found: warnings and the forecast. Nothing
   /// of it is left on disk. Errors: those of submit, but for the queue and quotas.
   api::Result<api::JobReport> validate(const Upload& upload);
-  /// Checks the upload as validate does; answers preview.npz, open, whose name is gone. Errors: as validate.
+  /// Checks the upload as validate does; answers preview/preview.npz, open, whose name is gone. Errors: as
+  /// validate.
   api::Result<FileHandle> preview(const Upload& upload);
   /// Forgets an upload that did not become a job.
   void discard(const Upload& upload) const;

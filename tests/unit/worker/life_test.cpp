@@ -125,6 +125,48 @@ TEST_F(WorkerLife, SigtermEndsAPipelineThatDoesNotListenWithinASecondAndLeavesAR
   EXPECT_FALSE(folder_.has(".tmp.last_words.report.json"));
 }
 
+/// Takes what is in a pipe, to its end.
+std::string drained(int pipe) {
+  std::string all;
+  char piece[4096];
+  for (ssize_t count; (count = read(pipe, piece, sizeof piece)) > 0;)
+    all.append(piece, static_cast<std::size_t>(count));
+  return all;
+}
+
+// The work ends in time, and then saying so takes beyond the deadline: nobody reads standard error.
+TEST_F(WorkerLife, TheThreadThatConcludesHasTheLastWordAlsoWhereItTakesLong) {
+  for (const char* command : {"render", "check"}) {
+    int errors[2];
+    ASSERT_EQ(pipe2(errors, O_CLOEXEC), 0);
+    const int usual = dup(STDERR_FILENO);
+    dup2(errors[1], STDERR_FILENO);
+    const pid_t worker = start({"fail_when_asked", command, folder()});
+    dup2(usual, STDERR_FILENO);
+    close(usual);
+    wait_until_at_work();
+    std::this_thread::sleep_for(200ms);  // what it says of its stage is said
+    fcntl(errors[1], F_SETFL, O_NONBLOCK);
+    while (write(errors[1], "x", 1) == 1) {
+    }
+    fcntl(errors[1], F_SETFL, 0);
+    folder_.write("input/now", "");
+    std::this_thread::sleep_for(200ms);
+    kill(worker, SIGTERM);
+    std::this_thread::sleep_for(1300ms);  // the deadline is over
+    close(errors[1]);
+    const std::string said = drained(errors[0]);
+    close(errors[0]);
+    EXPECT_EQ(end_of(worker), exit_with(ExitCode::internal)) << command;
+    const char* file = std::string(command) == "render" ? "report.json" : "check.json";
+    EXPECT_EQ(report(file).outcome, "failed");
+    EXPECT_EQ(report(file).message, "of its own accord");
+    EXPECT_EQ(said.find("told to stop"), said.npos) << said.substr(said.find_last_of('x') + 1);
+    for (const char* left : {"progress.ndjson", "begun", "input/now"})
+      std::filesystem::remove(folder_.path / left);
+  }
+}
+
 TEST_F(WorkerLife, TheLockGoesWithTheProcessHoweverItEnds) {
   for (const int signal : {SIGKILL, SIGTERM}) {
     const pid_t worker = start({"never_listen", "render", folder()});

@@ -105,6 +105,32 @@ TEST_F(Sandbox, OfARunLeavesTheInputAsItIs) {
   EXPECT_EQ(scene, "v 0 0 0");
 }
 
+TEST_F(Sandbox, OfACheckWritesWhatItHasFoundAndNothingElse) {
+  if (engine::landlock_version() == 0) GTEST_SKIP() << "the kernel has no Landlock";
+  fs::remove(job() / "report.json");
+  fs::remove(job() / "artefacts/made");
+  run("check");
+  expect("done", {"read inside", "write what is checked", "make a preview"});
+  expect("EACCES", {"write inside", "change the input", "cut the input", "add to the input",
+                    "remove the input", "write beside the input", "rename the input"});
+  for (const char* name : {"link the input", "replace the input"}) EXPECT_NE(outcome_[name], "done") << name;
+  EXPECT_FALSE(fs::exists(job() / "report.json"));
+}
+
+// As somebody would leave the folder who wants the next run to write to the input.
+TEST_F(Sandbox, OfARunHasFilesAndFoldersOfItsOwn) {
+  if (engine::landlock_version() == 0) GTEST_SKIP() << "the kernel has no Landlock";
+  fs::remove_all(job() / "artefacts");
+  fs::create_directory_symlink("input", job() / "artefacts");
+  fs::remove(job() / "progress.ndjson");
+  fs::create_hard_link(job() / "input/scene.obj", job() / "progress.ndjson");
+  run();
+  expect("done", {"read inside", "write inside", "write what is said"});
+  expect("EACCES", {"change the input", "add to the input", "remove the input"});
+  EXPECT_FALSE(fs::exists(job() / "input/moved"));
+  EXPECT_EQ(fs::hard_link_count(job() / "input/scene.obj"), 1u);
+}
+
 TEST_F(Sandbox, HoldsAProgramThatIsNotOurs) {
   write(job() / "artefacts/output", "");
   run("within", std::string(KEYLUME_WORKER_UNDER_TEST) + " burn confine --reads " +

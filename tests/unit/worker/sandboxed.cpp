@@ -1,8 +1,8 @@
-// Tries what a worker must not be able to do, in the sandbox of a job folder: that of a run (run), one that
-// writes below WRITABLE_FOLDER, or that which whoever started it has entered (within). Prints one line per
-// attempt: its name and "done", or the error's name.
+// Tries what a worker must not be able to do, in the sandbox of a job folder: that of a run (run) or of a
+// check with a preview (check), one that writes below WRITABLE_FOLDER, or that which whoever started it has
+// entered (within). Prints one line per attempt: its name and "done", or the error's name.
 //
-//   sandboxed JOB_FOLDER OUTSIDE_FOLDER run|within|WRITABLE_FOLDER
+//   sandboxed JOB_FOLDER OUTSIDE_FOLDER run|check|within|WRITABLE_FOLDER
 #include <fcntl.h>
 #include <mqueue.h>
 #include <netinet/in.h>
@@ -98,6 +98,10 @@ void use_files(const path& job, const path& outside) {
   attempt("rename inside",
           [&] { return rename((job / "artefacts/made").c_str(), (job / "artefacts/moved").c_str()) == 0; });
   attempt("write what is said", [&] { return can_open(job / "progress.ndjson", O_WRONLY | O_APPEND); });
+  attempt("write what is checked", [&] { return can_open(job / "check.json", O_WRONLY | O_TRUNC); });
+  attempt("make a preview", [&] { return can_open(job / "preview/made", O_WRONLY | O_CREAT); });
+  attempt("link the input",
+          [&] { return link((job / "input/scene.obj").c_str(), (job / "report.json").c_str()) == 0; });
   attempt("change the input", [&] { return can_open(job / "input/scene.obj", O_WRONLY); });
   attempt("cut the input", [&] { return can_open(job / "input/scene.obj", O_WRONLY | O_TRUNC); });
   attempt("add to the input", [&] { return can_open(job / "input/made", O_WRONLY | O_CREAT); });
@@ -176,8 +180,9 @@ void use_limits(const path& job) {
 int main(int argc, char** argv) {
   if (argc != 4) return 64;
   if (const std::string which = argv[3]; which != "within") {
-    const auto in_force = which == "run" ? engine::enter_sandbox(engine::rules_of_run(argv[1]))
-                                         : engine::enter_sandbox({.read = {argv[1]}, .write = {which}});
+    const auto in_force = which == "run"     ? engine::enter_sandbox(engine::rules_of_run(argv[1]))
+                          : which == "check" ? engine::enter_sandbox(engine::rules_of_check(argv[1], true))
+                                             : engine::enter_sandbox({.read = {argv[1]}, .write = {which}});
     if (!in_force) {
       std::fprintf(stderr, "%s\n", in_force.error().message.c_str());
       return 1;

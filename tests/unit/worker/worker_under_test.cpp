@@ -35,6 +35,15 @@ api::Status never_listen(const engine::RunHooks&, const std::filesystem::path&) 
   for (;;) std::this_thread::sleep_for(1h);
 }
 
+/// Fails once the file input/now is there.
+api::Status fail_when_asked(const engine::RunHooks&, const std::filesystem::path& artefacts) {
+  const auto inside = [](const std::filesystem::path& folder) { return folder / "input/now"; };
+  while (!std::filesystem::exists(inside(artefacts)) &&
+         !std::filesystem::exists(inside(artefacts.parent_path())))
+    std::this_thread::sleep_for(10ms);
+  return api::Error{api::Fault::internal, "of its own accord"};
+}
+
 api::Status burn(const engine::RunHooks&, const std::filesystem::path&) {
   for (volatile unsigned long turns = 0;;) turns = turns + 1;
 }
@@ -68,12 +77,11 @@ api::Status describe_process(const engine::RunHooks&, const std::filesystem::pat
   return api::Done{};
 }
 
-const std::map<std::string, Behaviour> kBehaviours{{"stop_when_told", stop_when_told},
-                                                   {"never_listen", never_listen},
-                                                   {"burn", burn},
-                                                   {"swallow_memory", swallow_memory},
-                                                   {"fill_the_disk", fill_the_disk},
-                                                   {"describe_process", describe_process}};
+const std::map<std::string, Behaviour> kBehaviours{
+    {"stop_when_told", stop_when_told},    {"never_listen", never_listen},
+    {"fail_when_asked", fail_when_asked},  {"burn", burn},
+    {"swallow_memory", swallow_memory},    {"fill_the_disk", fill_the_disk},
+    {"describe_process", describe_process}};
 
 }  // namespace
 
