@@ -172,15 +172,31 @@ AttemptOutcome RunningAttempt::end() {
   AttemptOutcome outcome = killed_ == Killed::no || finished_anyway
                                ? outcome_of(end)
                                : outcome_of_killing({end.exit_code, end.signal, std::nullopt});
-  if (outcome.reason == "worker_crashed" && end.signal == SIGKILL &&
-      out_of_memory_kills() > memory_kills_before_) {
-    outcome.reason = "out_of_memory";
-    outcome.message =
-        "out of memory: all of this service together reached its limit, and the kernel killed the worker";
-  }
+  peak_bytes_ = end.peak_bytes;
   outcome.end.ran_ms = ran_ms();
   outcome.log_tail = log_.tail();
   return outcome;
+}
+
+std::int64_t RunningAttempt::peak_bytes() const {
+  return worker_ ? peak_bytes_of(worker_->pid()) : peak_bytes_;
+}
+
+bool is_unexplained_kill(const AttemptOutcome& outcome) {
+  return outcome.reason == "worker_crashed" && outcome.end.signal == SIGKILL;
+}
+
+void explain(KilledFor why, AttemptOutcome& outcome) {
+  if (why == KilledFor::memory) {
+    outcome.reason = "out_of_memory";
+    outcome.message =
+        "out of memory: all of this service together reached its limit, and the kernel killed the worker";
+  } else if (why == KilledFor::perhaps) {
+    outcome.message =
+        "the worker was killed by SIGKILL together with others, of which the kernel killed some, not all, "
+        "for want "
+        "of memory; which of them is not known";
+  }
 }
 
 // Whatever exit code or signal our own killing led to, it was our doing.

@@ -11,7 +11,7 @@
 #include "server/jobs/attempt_outcome.h"
 #include "server/jobs/job_service.h"
 #include "server/workers/child_process.h"
-#include "server/workers/control_group.h"
+#include "server/workers/memory_kills.h"
 #include "server/workers/progress_tail.h"
 #include "server/workers/worker_log.h"
 
@@ -59,6 +59,8 @@ class RunningAttempt {
   void look(bool stopping, bool at_once);
   /// Reaps what has ended.
   AttemptOutcome end();
+  /// The most that its worker was resident with; 0: not known.
+  std::int64_t peak_bytes() const;
 
  private:
   using SteadyClock = std::chrono::steady_clock;
@@ -102,8 +104,8 @@ class RunningAttempt {
   Killed killed_ = Killed::no;
   std::optional<api::ProgressLine> unrecorded_;
   std::int64_t processor_ticks_ = 0;
-  std::string excess_;  ///< what it wrote beyond what it may
-  const std::int64_t memory_kills_before_ = out_of_memory_kills();
+  std::string excess_;           ///< what it wrote beyond what it may
+  std::int64_t peak_bytes_ = 0;  ///< of a worker that is reaped
   const SteadyClock::time_point began_ = SteadyClock::now();
   SteadyClock::time_point last_line_ = began_;
   SteadyClock::time_point last_sign_ = began_;  ///< a line, or processor time taken
@@ -114,6 +116,14 @@ class RunningAttempt {
 
 /// The meaning of an exit code or signal that was not our doing.
 AttemptOutcome outcome_of(const ProcessEnd& end);
+
+/// Did SIGKILL end it, and none of us had sent it?
+bool is_unexplained_kill(const AttemptOutcome& outcome);
+/// Says in `outcome`, of such a kill, what is known of it.
+void explain(KilledFor why, AttemptOutcome& outcome);
+
+/// Largest resident set so far [bytes]; 0 where there is no such process.
+std::int64_t peak_bytes_of(pid_t pid);
 
 /// Of the process and its threads since it began, in clock ticks; 0 where there is no such process.
 std::int64_t processor_ticks_of(pid_t pid);

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -106,13 +107,15 @@ ProcessEnd ChildProcess::reap() {
   const std::lock_guard lock(children().mutex);
   signal_group(SIGKILL);
   int status = 0;
-  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  rusage used{};
+  while (::wait4(pid_, &status, 0, &used) < 0 && errno == EINTR) {
   }
+  const std::int64_t peak_bytes = std::int64_t{used.ru_maxrss} * 1024;
   std::erase(children().living, pid_);
   (void)kill_strays(children().living);
   pid_ = -1;
-  if (WIFSIGNALED(status)) return {std::nullopt, WTERMSIG(status)};
-  return {WEXITSTATUS(status), std::nullopt};
+  if (WIFSIGNALED(status)) return {std::nullopt, WTERMSIG(status), peak_bytes};
+  return {WEXITSTATUS(status), std::nullopt, peak_bytes};
 }
 
 std::string signal_name(int signal) {

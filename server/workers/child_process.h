@@ -16,10 +16,11 @@
 
 namespace server {
 
-/// How a process ended: exactly one of the two.
+/// How a process ended: exactly one of the first two.
 struct ProcessEnd {
   std::optional<int> exit_code;
   std::optional<int> signal;
+  std::int64_t peak_bytes = 0;  ///< largest resident set; no less than this process had when it started it
 };
 
 /// Leader of its own session and process group, with default signal handling and no descriptors of ours but:

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <string_view>
 #include <thread>
 
 #include "server/workers/attempt.h"
@@ -67,6 +68,16 @@ std::int64_t processor_ticks_of(pid_t pid) {
     if (number >= kUserTimeField) ticks += value;
   }
   return ticks;
+}
+
+std::int64_t peak_bytes_of(pid_t pid) {
+  constexpr std::string_view kField = "\nVmHWM:";
+  const std::string status = read_text("/proc/" + std::to_string(pid) + "/status");
+  const std::size_t at = status.find(kField);
+  if (at == status.npos) return 0;
+  std::int64_t kib = 0;
+  std::istringstream(status.substr(at + kField.size())) >> kib;
+  return kib * 1024;
 }
 
 api::Status kill_and_confirm(const ProcessIdentity& process) {

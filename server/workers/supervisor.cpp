@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -109,12 +110,33 @@ void Supervisor::wait() {
 
 void Supervisor::look_at_all() {
   for (const auto& attempt : running_) attempt->look(stopping_, rung_);
-  const auto record_if_ended = [this](const std::unique_ptr<RunningAttempt>& attempt) {
-    if (!attempt->has_ended()) return false;
-    recorder_.add({attempt->claim().job.id, attempt->claim().lease, attempt->end()});
-    return true;
-  };
-  if (std::erase_if(running_, record_if_ended) > 0) jobs_.set_use(use());
+  memory_kills_.look();
+  const auto has_ended = [](const std::unique_ptr<RunningAttempt>& attempt) { return attempt->has_ended(); };
+  const auto first_ended = std::stable_partition(running_.begin(), running_.end(), std::not_fn(has_ended));
+  std::vector<EndedAttempt> ended;
+  for (auto attempt = first_ended; attempt != running_.end(); ++attempt) {
+    AttemptOutcome outcome = (*attempt)->end();
+    ended.push_back({std::move(*attempt), std::move(outcome)});
+  }
+  running_.erase(first_ended, running_.end());
+  explain_kills(ended);
+  for (EndedAttempt& each : ended)
+    recorder_.add({each.attempt->claim().job.id, each.attempt->claim().lease, std::move(each.outcome)});
+  if (!ended.empty()) jobs_.set_use(use());
+}
+
+void Supervisor::explain_kills(std::vector<EndedAttempt>& ended) {
+  std::vector<std::int64_t> peaks_bytes;
+  for (const EndedAttempt& each : ended)
+    if (is_unexplained_kill(each.outcome)) peaks_bytes.push_back(each.attempt->peak_bytes());
+  if (peaks_bytes.empty()) return;
+  std::int64_t largest_alive_bytes = 0;
+  for (const auto& attempt : running_)
+    largest_alive_bytes = std::max(largest_alive_bytes, attempt->peak_bytes());
+  const std::vector<KilledFor> why = memory_kills_.judge(peaks_bytes, largest_alive_bytes);
+  auto next = why.begin();
+  for (EndedAttempt& each : ended)
+    if (is_unexplained_kill(each.outcome)) explain(*next++, each.outcome);
 }
 
 void Supervisor::complain(const std::string& trouble) {

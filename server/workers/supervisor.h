@@ -40,12 +40,18 @@ class Supervisor {
   void notice_start(const std::string& why_not);
   void wait();
   void look_at_all();
+  struct EndedAttempt {
+    std::unique_ptr<RunningAttempt> attempt;
+    AttemptOutcome outcome;
+  };
+  void explain_kills(std::vector<EndedAttempt>& ended);
   void complain(const std::string& trouble);
 
   JobService& jobs_;
   const Doorbell& bell_;
   const WorkerRules rules_;
   Recorder recorder_;
+  MemoryKills memory_kills_;
   std::vector<std::unique_ptr<RunningAttempt>> running_;
   std::string last_complaint_;  ///< said once, not every second
   bool rung_ = false;
