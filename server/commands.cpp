@@ -1,4 +1,5 @@
 #include "server/commands.h"
+#include "server/text.h"
 
 #include <array>
 #include <cstdlib>
@@ -17,10 +18,6 @@ constexpr std::array kCommands{
     Command{"restore", run_restore_command}, Command{"check", run_check_command},
     Command{"gc", run_gc_command},           Command{"migrate", run_migrate_command},
 };
-
-api::Error wrong(std::string message) {
-  return {api::Fault::invalid_request, std::move(message)};
-}
 
 }  // namespace
 
@@ -45,13 +42,14 @@ api::Result<CommandWords> take_apart(std::span<const std::string_view> words,
       found.options[name] = "";
       continue;
     }
-    if (name != "--data" && !with_value.contains(name)) return wrong("'" + word + "' is not an option here");
-    if (equals == word.npos && i + 1 == words.size()) return wrong(name + ": a value is missing");
+    if (name != "--data" && !with_value.contains(name))
+      return wrong_use("'" + word + "' is not an option here");
+    if (equals == word.npos && i + 1 == words.size()) return wrong_use(name + ": a value is missing");
     found.options[name] = equals == word.npos ? std::string(words[++i]) : word.substr(equals + 1);
   }
   const char* const data = std::getenv("KEYLUME_DATA");
   if (!found.has("--data") && data && *data) found.options["--data"] = data;
-  if (!found.has("--data")) return wrong("--data DIR is missing: the data folder of the service");
+  if (!found.has("--data")) return wrong_use("--data DIR is missing: the data folder of the service");
   return found;
 }
 

@@ -1,4 +1,4 @@
-// Numbers and times as texts have them.
+// Numbers, times and refusals as texts have them.
 #pragma once
 
 #include <charconv>
@@ -7,6 +7,9 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
+
+#include "api/result.h"
 
 namespace server {
 
@@ -16,6 +19,11 @@ inline std::optional<std::int64_t> whole_number(std::string_view text) {
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
   if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+/// What somebody asked of a program that it does not do.
+inline api::Error wrong_use(std::string message) {
+  return {api::Fault::invalid_request, std::move(message)};
 }
 
 /// "2026-11-22T08:15:30.123Z" (RFC 3339).

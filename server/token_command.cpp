@@ -14,10 +14,6 @@ namespace {
 constexpr std::int64_t kDaysMax = 36'500;
 constexpr std::int64_t kDayMs = 24 * 3600 * 1000;
 
-api::Error wrong(std::string message) {
-  return {api::Fault::invalid_request, std::move(message)};
-}
-
 std::string day_of(std::int64_t time_ms) {
   constexpr std::size_t kDayBytes = 10;
   return utc_text(time_ms).substr(0, kDayBytes);
@@ -28,7 +24,7 @@ api::Result<std::optional<std::int64_t>> expiry_of(const CommandWords& words, st
   if (!text) return std::optional<std::int64_t>();
   const std::int64_t days = whole_number(*text).value_or(0);
   if (days < 1 || days > kDaysMax)
-    return wrong("--expires-days: must be a whole number from 1 to " + std::to_string(kDaysMax));
+    return wrong_use("--expires-days: must be a whole number from 1 to " + std::to_string(kDaysMax));
   return std::optional(now_ms + days * kDayMs);
 }
 
@@ -44,7 +40,7 @@ api::Result<std::string> hand_over(const std::string& path, bool may_be_there, c
 
 int create(TokenFolder& tokens, const CommandWords& words) {
   if (words.plain.size() != 2)
-    return refuse_command(wrong("token create: a name is needed, and one only"), kExitUsage);
+    return refuse_command(wrong_use("token create: a name is needed, and one only"), kExitUsage);
   if (words.has("--if-none")) {
     const auto known = tokens.list();
     if (!known) return refuse_command(known.error(), kExitFailed);
@@ -80,7 +76,7 @@ int list(const TokenFolder& tokens) {
 
 int revoke(TokenFolder& tokens, const CommandWords& words) {
   if (words.plain.size() != 2)
-    return refuse_command(wrong("token revoke: a name is needed, and one only"), kExitUsage);
+    return refuse_command(wrong_use("token revoke: a name is needed, and one only"), kExitUsage);
   if (const api::Status revoked = tokens.revoke(words.plain[1]); !revoked)
     return refuse_command(revoked.error(), kExitFailed);
   return 0;
@@ -96,7 +92,7 @@ int run_token_command(std::span<const std::string_view> given) {
   if (action == "create") return create(tokens, *words);
   if (action == "list") return list(tokens);
   if (action == "revoke") return revoke(tokens, *words);
-  return refuse_command(wrong("token: create, list or revoke?"), kExitUsage);
+  return refuse_command(wrong_use("token: create, list or revoke?"), kExitUsage);
 }
 
 }  // namespace server

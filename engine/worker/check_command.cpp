@@ -18,8 +18,8 @@ namespace engine {
 namespace {
 
 /// Of the report and, where one is asked for, of the preview.
-constexpr std::uint64_t kFileBytesMax = 16u << 20;
-constexpr std::uint64_t kPreviewFileBytesMax = kPreviewBytesMax + kFileBytesMax;
+constexpr std::uint64_t kCheckFileBytesMax = 16u << 20;
+constexpr std::uint64_t kPreviewFileBytesMax = kPreviewBytesMax + kCheckFileBytesMax;
 
 api::Status run_check(const JobFolder& folder, const CheckCommand& command, const Checker& checker,
                       const EngineParts& parts, api::JobReport& report) {
@@ -53,12 +53,12 @@ std::string forecast_text(const std::optional<api::Forecast>& forecast) {
   return text;
 }
 
-ReportWriting writing_of(const CheckCommand& command) {
+ReportWriting writing_of_check(const CheckCommand& command) {
   return command.sandbox ? ReportWriting::in_place : ReportWriting::replaced;
 }
 
-void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCommand& command,
-                      double wall_seconds) {
+void write_last_words_of_check(const JobFolder& folder, api::ExitCode code, const CheckCommand& command,
+                               double wall_seconds) {
   const api::Status why = code == api::ExitCode::stopped
                               ? api::Error{api::Fault::stopped, "told to stop"}
                               : api::Error{api::Fault::out_of_resources,
@@ -67,7 +67,7 @@ void write_last_words(const JobFolder& folder, api::ExitCode code, const CheckCo
   api::JobReport report;
   complete_report(why, wall_seconds, report);
   tell_report(report);
-  write_report_in_haste(folder.check_report(), report, writing_of(command));
+  write_report_in_haste(folder.check_report(), report, writing_of_check(command));
 }
 
 }  // namespace
@@ -93,14 +93,15 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
                                    .last_words = [&](api::ExitCode code) {
                                      const JobFolder* mine = opened;
                                      if (mine && !last_word.take()) return false;
-                                     if (mine) write_last_words(*mine, code, command, seconds_since(start));
+                                     if (mine)
+                                       write_last_words_of_check(*mine, code, command, seconds_since(start));
                                      return true;
                                    }});
   if (!watch) return give_up(watch.error());
   const api::Status limited =
       limit_myself({.memory_bytes = command.memory_mb << 20,
                     .processor_seconds = command.seconds,
-                    .file_bytes = command.preview ? kPreviewFileBytesMax : kFileBytesMax});
+                    .file_bytes = command.preview ? kPreviewFileBytesMax : kCheckFileBytesMax});
   if (!limited) return give_up(limited.error());
   set_thread_count(1);  // what is allowed is processor time over all threads
   auto found = JobFolder::look_into(command.job_folder);
@@ -115,7 +116,7 @@ api::ExitCode check(const CheckCommand& command, const Checker& checker, const E
   complete_report(status, seconds_since(start), report);
   tell_report(report);
   if (status) tell("the job is sound" + counted(report) + forecast_text(report.forecast));
-  const api::Status written = write_report(folder->check_report(), report, writing_of(command));
+  const api::Status written = write_report(folder->check_report(), report, writing_of_check(command));
   if (!written) tell("check.json: " + written.error().message);
   return exit_code_of(status ? written : status);
 }

@@ -20,7 +20,7 @@ namespace engine {
 namespace {
 
 /// Of one picture.
-constexpr std::uint64_t kFileBytesMax = std::uint64_t{2} << 30;
+constexpr std::uint64_t kViewFileBytesMax = std::uint64_t{2} << 30;
 
 /// The files of one view.
 struct ViewPaths {
@@ -95,7 +95,7 @@ api::Status run_view(const JobFolder& folder, const ViewPaths& paths, const View
   return rendered;
 }
 
-void write_last_words(const ViewPaths& paths, api::ExitCode code, double wall_seconds) {
+void write_last_words_of_view(const ViewPaths& paths, api::ExitCode code, double wall_seconds) {
   const api::Status why =
       code == api::ExitCode::stopped
           ? api::Error{api::Fault::stopped, "told to stop"}
@@ -129,13 +129,13 @@ api::ExitCode view(const ViewCommand& command, const ViewRenderer& render) {
   const auto watch =
       Watch::start({.end_with_stdin = command.parent.has_value(), .last_words = [&](api::ExitCode code) {
                       if (ours && !last_word.take()) return false;
-                      if (ours) write_last_words(paths, code, seconds_since(start));
+                      if (ours) write_last_words_of_view(paths, code, seconds_since(start));
                       return true;
                     }});
   if (!watch) return give_up(watch.error());
   const api::Status limited = limit_myself({.memory_bytes = command.memory_mb << 20,
                                             .processor_seconds = command.seconds,
-                                            .file_bytes = kFileBytesMax});
+                                            .file_bytes = kViewFileBytesMax});
   if (!limited) return give_up(limited.error());
   set_thread_count(command.threads);
   // Without its lock: what a finished run has left does not change.

@@ -20,13 +20,10 @@ constexpr std::int64_t kBytesPerByteOnDiskMax = 32;
 constexpr std::int64_t kBytesWithoutQuestion = std::int64_t{4} << 30;
 constexpr std::chrono::minutes kReadingTimeMax{30};
 
-struct FreeDigest {
-  void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
-};
-using Digest = std::unique_ptr<EVP_MD_CTX, FreeDigest>;
+using Digest = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
 
 Digest new_digest() {
-  Digest digest(EVP_MD_CTX_new());
+  Digest digest(EVP_MD_CTX_new(), EVP_MD_CTX_free);
   if (digest && EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr) != 1) digest.reset();
   return digest;
 }
