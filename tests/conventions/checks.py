@@ -11,6 +11,9 @@ SOURCE_FOLDERS = ("api", "engine", "server", "tests")
 LINES_MAX = 400
 CLANG_FORMAT_MAJOR = 14
 DASHBOARD_COLUMNS_MAX = 200
+UNITY_FILE = re.compile(r"/Unity/unity_\d+_\w+\.\w+$")
+OWN_NAME = re.compile(r"(?:template <.*> )?(?!return|using|struct|enum|class|static_assert)[A-Za-z_][\w:<>,\s*&\[\]]*?[\s*&](\w+)\("
+                      r"|(?:struct|class|enum class) (\w+)|(?:constexpr|const) .*?(k[A-Z]\w+)")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 
 
@@ -96,14 +99,49 @@ def includes(root, rules_path):
     return problems
 
 
+def sources_of_targets(build):
+    """Target -> its sources, where the build compiles several of them as one as well."""
+    targets = {}
+    for entry in json.loads((Path(build) / "compile_commands.json").read_text()):
+        file = Path(entry["directory"], entry["file"]).resolve()
+        together = re.findall(r'^#include "(.+)"', file.read_text(), re.MULTILINE) if UNITY_FILE.search(str(file)) else []
+        target = re.search(r"-o (\S*CMakeFiles/[^/\s]+)\.dir/", entry["command"])
+        targets.setdefault(target[1] if target else "", set()).update(map(Path, together or [file]))
+    return targets
+
+
 def sources_are_built(root, build):
     """Every .cpp is compiled by some target; fuzz targets are, in a build of their own, where their list names them."""
     fuzz = Path(root) / "tests/fuzz"
     fuzzers = (fuzz / "CMakeLists.txt").read_text() if fuzz.is_dir() else ""
-    commands = json.loads((Path(build) / "compile_commands.json").read_text())
-    compiled = {Path(entry["directory"], entry["file"]).resolve() for entry in commands}
+    compiled = {path.resolve() for sources in sources_of_targets(build).values() for path in sources}
     return [f"{path.relative_to(root)}: no target compiles it" for path in sources_of(root, ".cpp")
             if path.resolve() not in compiled and not (path.parent == fuzz and f"add_fuzzer({path.stem}" in fuzzers)]
+
+
+def names_of_its_own(text):
+    """What a source declares in unnamed namespaces, at the start of a line: functions, types and constants."""
+    inside = False
+    for line in text.splitlines():
+        if line in ("namespace {", "}  // namespace"):
+            inside = line == "namespace {"
+        elif inside and (name := OWN_NAME.match(line)):
+            yield name[1] or name[2] or name[3]
+
+
+def own_names(root, build):
+    """The release build compiles the sources of a target together: an unnamed namespace is then one for all of them, and
+    a function might be called in place of another file's. No two sources of a target declare the same name there."""
+    problems = []
+    for target, sources in sorted(sources_of_targets(build).items()):
+        known = {}
+        ours = [path for path in sources if path.is_relative_to(root) and path.relative_to(root).parts[0] != "tests"]
+        for path in sorted(ours):
+            for name in sorted(set(names_of_its_own(path.read_text()))):
+                other = known.setdefault(name, path)
+                if other != path:
+                    problems.append(f"{path.relative_to(root)}: {name} is a name of {other.relative_to(root)} too")
+    return problems
 
 
 LABELS = {"unit", "accuracy", "integration", "faults", "conventions", "bench", "browser", "fuzz", "peers", "container"}

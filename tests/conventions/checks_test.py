@@ -82,10 +82,28 @@ class OnATree(unittest.TestCase):
 
     def test_a_source_that_no_target_compiles(self):
         self.write("build/compile_commands.json", json.dumps(
-            [{"directory": str(self.root / "build"), "file": "../engine/visibility/rays.cpp"}]))
+            [{"directory": str(self.root / "build"), "file": "../engine/visibility/rays.cpp", "command": "c++"}]))
         self.assertEqual(checks.sources_are_built(self.root, self.root / "build"), [])
         self.write("engine/scene/left_out.cpp", "")
         self.expect_one(checks.sources_are_built(self.root, self.root / "build"), "left_out.cpp")
+
+    def commands(self, *paths):
+        self.write("build/compile_commands.json", json.dumps(
+            [{"directory": str(self.root), "file": path, "command": "c++ -o lib/CMakeFiles/one.dir/x.o"} for path in paths]))
+
+    def test_two_sources_of_a_target_with_the_same_name_of_their_own(self):
+        self.write("engine/scene/one.cpp", "namespace {\n\nint size_of(int x) {\n  return at(x);\n}\n\n}  // namespace\n")
+        self.write("engine/scene/two.cpp", "namespace {\nconstexpr int kMost = 2;\n\n}  // namespace\n\nint size_of(int x) {\n}\n")
+        self.write("build/Unity/unity_0_cxx.cxx", "".join(
+            f'#include "{self.root}/engine/scene/{name}.cpp"\n' for name in ("one", "two")))
+        for files in (("engine/scene/one.cpp", "engine/scene/two.cpp"), ("build/Unity/unity_0_cxx.cxx",)):
+            self.commands(*files)
+            self.assertEqual(checks.own_names(self.root, self.root / "build"), [])
+            self.assertEqual([problem for problem in checks.sources_are_built(self.root, self.root / "build")
+                              if "engine/scene" in problem], [])
+        for line in ("double size_of(double x) {", "struct size_of {", "std::vector<int> size_of("):
+            self.write("engine/scene/two.cpp", f"namespace {{\n\n{line}\n}}  // namespace\n")
+            self.expect_one(checks.own_names(self.root, self.root / "build"), "two.cpp", "one.cpp", "size_of")
 
     def test_a_test_without_label_or_limit_or_that_nobody_runs(self):
         def listed(name, labels, timeout):

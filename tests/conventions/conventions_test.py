@@ -23,6 +23,7 @@ def layout_or_reason():
 CHECKS = {
     "includes": lambda build: checks.includes(ROOT, HERE / "includes.txt"),
     "sources_are_built": lambda build: checks.sources_are_built(ROOT, build),
+    "own_names": lambda build: checks.own_names(ROOT, build),
     "tests_are_registered": lambda build: checks.tests_are_registered(ROOT, checks.registered_tests(build)),
     "file_lengths": lambda build: checks.file_lengths(ROOT, HERE / "long_files.txt"),
     "layout": lambda build: layout_or_reason(),
