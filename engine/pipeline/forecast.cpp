@@ -1,8 +1,10 @@
 #include "engine/pipeline/forecast.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <numeric>
 #include <thread>
 #include <vector>
@@ -39,12 +41,15 @@ double area_m2(const Scene& scene, const Polygon& polygon) {
 struct Surfaces {
   double area_m2 = 0, moving_m2 = 0, reflected_m2 = 0;
   double facets = 0, moving_facets = 0;
+  std::vector<double> of_object_m2;  ///< [object]
 };
 
 Surfaces survey(const Scene& scene, const Animation& animation) {
   Surfaces all;
+  all.of_object_m2.resize(animation.objects.size());
   for (const Polygon& polygon : scene.polygons) {
     const double area = area_m2(scene, polygon);
+    all.of_object_m2[polygon.object] += area;
     all.area_m2 += area;
     all.reflected_m2 += area * max_channel(scene.materials[polygon.material].reflectance);
     // Most have four corners and are one facet, or three.
@@ -158,6 +163,84 @@ bool light_changes(const Emission& emission) {
                      [](const SourceMotion& s) { return !s.is_static() || s.intensity.size() > 1; });
 }
 
+/// The corners of the boxes around the objects, as the file has them.
+std::vector<std::array<Vec3, 2>> boxes_of_objects(const Scene& scene, std::size_t objects) {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  std::vector<std::array<Vec3, 2>> boxes(objects, {Vec3{kFar, kFar, kFar}, Vec3{-kFar, -kFar, -kFar}});
+  for (const Polygon& polygon : scene.polygons)
+    for (std::uint32_t c = 0; c < polygon.corner_count; ++c) {
+      const Vec3 corner = scene.vertices[scene.corners[polygon.first_corner + c]];
+      auto& [lower, upper] = boxes[polygon.object];
+      lower = min(lower, corner);
+      upper = max(upper, corner);
+    }
+  return boxes;
+}
+
+/// How far the corners of a box go from frame to frame, in the mean.  [m]
+double step_m(const ObjectMotion& motion, const std::array<Vec3, 2>& box, double frames) {
+  double way = 0;
+  for (std::size_t k = 1; k < motion.spans.size(); ++k)
+    for (unsigned c = 0; c < 8; ++c) {
+      const Vec3 corner{box[c & 1].x, box[c >> 1 & 1].y, box[c >> 2 & 1].z};
+      way += length(transform_point(motion.spans[k].pose, corner) -
+                    transform_point(motion.spans[k - 1].pose, corner)) /
+             8;
+    }
+  return way / std::max(1.0, frames - 1);
+}
+
+/// Of the surfaces that move, by their areas.  [m]
+double mean_step_m(const Scene& scene, const Animation& animation, const Surfaces& surfaces) {
+  const auto boxes = boxes_of_objects(scene, animation.objects.size());
+  double way = 0, area = 0;
+  for (std::size_t o = 0; o < animation.objects.size(); ++o) {
+    if (surfaces.of_object_m2[o] == 0 || animation.objects[o].is_static(animation.frame_count)) continue;
+    way += surfaces.of_object_m2[o] * step_m(animation.objects[o], boxes[o], animation.frame_count);
+    area += surfaces.of_object_m2[o];
+  }
+  return area > 0 ? way / area : 0;
+}
+
+/// More threads than cores are not started.
+double threads_of_run(unsigned asked) {
+  const unsigned cores = std::max(std::thread::hardware_concurrency(), 1u);
+  return asked == 0 ? cores : std::min(asked, cores);
+}
+
+PictureSize size_of_picture(const api::ImageOptions& image, const Animation& animation) {
+  PictureSize size;
+  size.pixels = double(image.width) * image.height;
+  size.width = image.width;
+  size.samples_per_pixel = image.samples_per_pixel;
+  size.png_or_jpg = image.png || image.jpg;
+  size.exr = image.exr;
+  size.camera_rests = animation.frame_count > 1 && stands_still(animation, image.camera);
+  return size;
+}
+
+void count_for_memory(const api::JobRequest& request, const Scene& scene, const Animation& animation,
+                      const Surfaces& surfaces, JobSize& size) {
+  const api::LightingOptions& lighting = request.lighting;
+  size.solved_groups = static_cast<double>(solved_groups(scene, animation, lighting).size());
+  size.named_groups = static_cast<double>(lighting.light_groups.size());
+  size.with_errors = wants_errors(lighting);
+  size.aims_at_error = lighting.target_error.has_value();
+  size.fills_between = fills_between(lighting);
+  size.frame_by_frame = lighting.mode == api::LightingMode::frame_by_frame;
+  if (lighting.mode == api::LightingMode::standard)
+    size.compared_series = size.fills_between ? size.solved_groups : 1;
+  size.moving_patches =
+      surfaces.moving_m2 > 0 ? std::max(size.moving_share * size.patches, size.moving_facets) : 0;
+  if (size.moving_patches > 0) {
+    const double edge_m = std::sqrt(surfaces.moving_m2 / size.moving_patches);
+    size.change_per_frame = std::min(1.0, mean_step_m(scene, animation, surfaces) / edge_m);
+  }
+  for (const Texture& texture : scene.textures) size.texture_pixels += double(texture.width) * texture.height;
+  for (const api::ImageOptions& image : request.images)
+    size.pictures.push_back(size_of_picture(image, animation));
+}
+
 }  // namespace
 
 JobSize size_of_job(const api::JobRequest& request, const Scene& scene, const Animation& animation,
@@ -190,17 +273,13 @@ JobSize size_of_job(const api::JobRequest& request, const Scene& scene, const An
         (pixels - one_frame) * traced * image.samples_per_pixel + one_frame * image.samples_per_pixel;
   }
   size.series = 1 + (lighting.standard_errors ? 1 : 0) + static_cast<double>(lighting.light_groups.size());
-  // The variance of each group's direct light, the scatter of the replicates, and what is made of it while
-  // both are there.
-  if (wants_errors(lighting))
-    size.error_series = 2 + std::max(1.0, static_cast<double>(lighting.light_groups.size()));
+  count_for_memory(request, scene, animation, surfaces, size);
   return size;
 }
 
 MachinePace measure_pace(const Scene& scene, const Animation& animation, unsigned threads) {
-  if (threads == 0) threads = std::max(std::thread::hardware_concurrency(), 1u);
   MachinePace pace;
-  pace.cores = 1 + kEfficiency * (threads - 1);
+  pace.cores = 1 + kEfficiency * (threads_of_run(threads) - 1);
   pace.update_s = measure_update_s();
   pace.line_s = kUsualLine_s;
   pace.ray_s = kUsualRay_s;
@@ -209,7 +288,8 @@ MachinePace measure_pace(const Scene& scene, const Animation& animation, unsigne
   return pace;
 }
 
-api::Forecast forecast_of(const JobSize& size, const MachinePace& pace) {
+api::Forecast forecast_of(JobSize size, unsigned threads, const MachinePace& pace) {
+  size.threads = threads_of_run(threads);
   const StageSeconds seconds = forecast_seconds(size, pace);
   api::Forecast forecast;
   forecast.patches = static_cast<std::uint64_t>(size.patches);

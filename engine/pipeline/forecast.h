@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "api/job_report.h"
 #include "api/job_request.h"
@@ -10,6 +11,15 @@
 #include "engine/scene/scene.h"
 
 namespace engine {
+
+/// Of one camera's pictures.
+struct PictureSize {
+  double pixels = 0;  ///< of one picture
+  double width = 0;
+  double samples_per_pixel = 1;
+  bool png_or_jpg = true, exr = false;
+  bool camera_rests = false;
+};
 
 /// What the work of a job is counted in. Real numbers: they are multiplied with each other.
 struct JobSize {
@@ -29,7 +39,20 @@ struct JobSize {
   double pixels = 0;              ///< of all images in all frames
   double image_samples = 0;       ///< rays through them that are traced
   double series = 1;              ///< of radiosity that become artefacts: itself, its error, groups
-  double error_series = 0;        ///< held besides where errors are wanted
+  // Of memory alone:
+  double solved_groups = 1;     ///< of lights, each solved by itself
+  double named_groups = 0;      ///< of these groups that the job names
+  bool with_errors = false;     ///< the variance of direct light is kept, and becomes a series
+  bool aims_at_error = false;   ///< direct light comes in passes
+  bool fills_between = true;    ///< every frame is traced, some are solved; else those that are solved
+  bool frame_by_frame = false;  ///< nothing is held of one frame while the next is solved
+  double compared_series = 0;   ///< of the estimate, each in all its replicates
+  double moving_patches = 0;    ///< in all sizes: a small facet is one
+  double change_per_frame =
+      1;  ///< where a line meets what moves: share of frames in which it is another patch
+  double texture_pixels = 0;
+  double threads = 2;  ///< of the run
+  std::vector<PictureSize> pictures;
 };
 
 /// Seconds that this machine takes, on one core, for the units that the costs are told in.
@@ -53,9 +76,10 @@ MachinePace measure_pace(const Scene& scene, const Animation& animation, unsigne
 /// Seconds of each stage, by the table in forecast_costs.cpp; `scene` is 0, since it is over by then.
 StageSeconds forecast_seconds(const JobSize& size, const MachinePace& pace);
 
-/// Largest resident set of the worker, by the table in forecast_costs.cpp.  [bytes]
+/// Largest resident set of the worker, term by term in forecast_memory.cpp.  [bytes]
 std::uint64_t forecast_memory_bytes(const JobSize& size);
 
-api::Forecast forecast_of(const JobSize& size, const MachinePace& pace);
+/// threads: as in measure_pace.
+api::Forecast forecast_of(JobSize size, unsigned threads, const MachinePace& pace);
 
 }  // namespace engine

@@ -1,11 +1,10 @@
-// The tables that forecasts are made from. tests/bench/forecast_costs.py compares them with what jobs took,
-// and prints by which factor each stage is off: to be run, and the numbers here to be changed, whenever a
-// stage does its work another way.
+// The table that forecasts of time are made from. tests/bench/forecast_costs.py compares it with what jobs
+// took, and prints by which factor each stage is off: to be run, and the numbers here to be changed, whenever
+// a stage does its work another way.
 #include <algorithm>
 #include <array>
 
 #include "engine/pipeline/forecast.h"
-#include "engine/visibility/ray_scene.h"
 
 namespace engine {
 namespace {
@@ -35,11 +34,6 @@ double estimate_direct_s(const JobSize& n, const MachinePace& m) {
 double estimate_lines_s(const JobSize& n, const MachinePace& m) {
   if (n.coarse_patches == 0 || n.frames == 1) return 1e-3;
   return 5 * n.estimate_lines * m.line_s + 1.6 * updates(n, n.estimate_lines, n.frames) * m.update_s;
-}
-
-/// Frames that are traced together at most.
-double window(const JobSize& n) {
-  return std::min(n.frames, static_cast<double>(kWindowMax));
 }
 
 /// Lines through each patch that moves, in every frame: global ones meet it too rarely.
@@ -85,43 +79,6 @@ constexpr std::array kCosts{
          }},
 };
 
-constexpr double kRgbBytes = 12;
-
-/// The program itself, its libraries and thread stacks; 100 MB more where EXR or textures are asked for.
-constexpr double kProgramBytes = 20e6;
-
-double series_bytes(double patches, double frames) {
-  return kRgbBytes * patches * frames;
-}
-
-/// What a traced line keeps: its crossings, and the rows that are made of them.
-double traced_bytes(const JobSize& size, double lines) {
-  return 20 * lines * size.crossings_per_line;
-}
-
-/// Held at once while the estimate is made, the sequence solved, or put together and shown.
-double estimate_bytes(const JobSize& n) {
-  return 17 * series_bytes(n.coarse_patches, n.frames) + traced_bytes(n, n.estimate_lines / 4);
-}
-/// What moves, at every pose of a window: boxes and tests of facets for lines and, unless there are too many,
-/// for shadow rays; and what the lines through it keep.
-double moving_bytes(const JobSize& n) {
-  constexpr double kListedMax = 8192;
-  const double per_facet = n.moving_facets <= kListedMax ? 400 : 200;
-  return per_facet * n.moving_facets * window(n) + 24 * local_lines(n, window(n));
-}
-double solve_bytes(const JobSize& n) {
-  return (1 + n.error_series) * series_bytes(n.patches, n.frames) +
-         3 * series_bytes(n.patches, n.solved_frames) + traced_bytes(n, n.lines / n.replicates) +
-         moving_bytes(n);
-}
-/// Measured: two more than are counted by name, and of the errors all but what solving them took.
-double compose_bytes(const JobSize& n) {
-  const double of_errors = std::max(0.0, n.error_series - 2);
-  return (4 + n.series + of_errors) * series_bytes(n.patches, n.frames) +
-         series_bytes(n.patches, n.solved_frames);
-}
-
 }  // namespace
 
 StageSeconds forecast_seconds(const JobSize& size, const MachinePace& pace) {
@@ -130,13 +87,6 @@ StageSeconds forecast_seconds(const JobSize& size, const MachinePace& pace) {
     seconds[static_cast<std::size_t>(cost.stage)] +=
         cost.seconds(size, pace) / (cost.parallel ? pace.cores : 1);
   return seconds;
-}
-
-std::uint64_t forecast_memory_bytes(const JobSize& size) {
-  const double always = kProgramBytes + 400 * size.polygons + 1200 * size.facets + 16 * size.patches;
-  const double images = size.pixels > 0 ? 8e6 : 0;
-  const double most = std::max({estimate_bytes(size), solve_bytes(size), compose_bytes(size) + images});
-  return static_cast<std::uint64_t>(always + most);
 }
 
 }  // namespace engine

@@ -19,7 +19,7 @@ namespace {
 /// Fills the report's forecast, of the whole and of each stage.
 MachinePace forecast_job(const PreparedJob& job, unsigned threads, api::JobReport& report) {
   const MachinePace pace = measure_pace(job.scene, job.animation, threads);
-  report.forecast = forecast_of(job.size, pace);
+  report.forecast = forecast_of(job.size, threads, pace);
   const StageSeconds seconds = forecast_seconds(job.size, pace);
   for (std::size_t k = 0; k < seconds.size(); ++k)
     if (seconds[k] > 0)

@@ -32,7 +32,7 @@ JobSize a_size() {
 }
 
 double seconds_of(const JobSize& size) {
-  return forecast_of(size, kPace).seconds;
+  return forecast_of(size, 2, kPace).seconds;
 }
 
 TEST(Forecast, MoreOfAnythingTakesLongerAndNoLessMemory) {
@@ -51,10 +51,36 @@ TEST(Forecast, MoreOfAnythingTakesLongerAndNoLessMemory) {
 // Each is held at every pose of a window of frames, and lines go through each in every frame.
 TEST(Forecast, KnowsOfThousandsOfFacetsThatMove) {
   JobSize few = a_size(), many = a_size();
-  few.moving_facets = 20;
-  many.moving_facets = 20'000;
-  EXPECT_GT(forecast_memory_bytes(many), forecast_memory_bytes(few) + 150'000'000);
+  few.moving_facets = few.moving_patches = 20;
+  many.moving_facets = many.moving_patches = 20'000;
+  constexpr std::uint64_t kPerPose = 240;  // a box, a test for rays and one for lines
+  EXPECT_GT(forecast_memory_bytes(many), kPerPose * 20'000 * 24);
+  EXPECT_LT(forecast_memory_bytes(few), kPerPose * 20'000 * 24);
   EXPECT_GT(seconds_of(many), seconds_of(few));
+}
+
+TEST(Forecast, WhatIsAskedForBesideRadiosityTakesMemory) {
+  JobSize more = a_size();
+  more.replicates = 8;
+  const double one_series = 12 * more.patches * more.frames;
+  const auto before = static_cast<double>(forecast_memory_bytes(more));
+  more.with_errors = true;
+  const auto with_errors = static_cast<double>(forecast_memory_bytes(more));
+  EXPECT_GE(with_errors, before + one_series - 1) << "the variance of direct light";
+  more.solved_groups = 3;
+  EXPECT_GT(static_cast<double>(forecast_memory_bytes(more)), with_errors + 4 * one_series);
+}
+
+TEST(Forecast, PicturesTakeMemoryByTheirSizeAndFilesByTheirKind) {
+  const JobSize none = a_size();
+  JobSize small = none, large = none, exr = none;
+  small.pictures = {{.pixels = 320 * 180, .width = 320}};
+  large.pictures = {{.pixels = 1920 * 1080, .width = 1920}};
+  exr.pictures = {{.pixels = 320 * 180, .width = 320, .exr = true}};
+  EXPECT_GE(forecast_memory_bytes(small), forecast_memory_bytes(none));
+  EXPECT_GT(forecast_memory_bytes(large), forecast_memory_bytes(small) + 4 * 3 * 1920 * 1080);
+  EXPECT_GT(forecast_memory_bytes(exr), forecast_memory_bytes(small) + 100'000'000)
+      << "libraries that it draws in";
 }
 
 TEST(Forecast, TwiceTheCoresHalveWhatIsDoneInParallel) {
