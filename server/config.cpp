@@ -14,10 +14,6 @@
 namespace server {
 namespace {
 
-api::Error wrong(std::string message) {
-  return {api::Fault::invalid_request, std::move(message)};
-}
-
 std::optional<std::int64_t> number_within(std::string_view text, std::int64_t least, std::int64_t most) {
   const auto value = whole_number(text);
   return value && *value >= least && *value <= most ? value : std::nullopt;
@@ -28,7 +24,7 @@ api::Result<Address> parse_address(std::string_view option, std::string_view tex
   const std::size_t colon = text.rfind(':');
   const auto port = colon == text.npos ? std::nullopt : number_within(text.substr(colon + 1), 0, 65535);
   if (!port || colon == 0)
-    return wrong(std::string(option) + ": '" + std::string(text) + "' is not HOST:PORT");
+    return wrong_use(std::string(option) + ": '" + std::string(text) + "' is not HOST:PORT");
   address.port = static_cast<int>(*port);
   std::string_view host = text.substr(0, colon);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
@@ -54,7 +50,7 @@ api::Status take_ops_listen(std::string_view text, Config& config) {
 }
 
 api::Status take_log_format(std::string_view text, Config& config) {
-  if (text != "text" && text != "json") return wrong("--log: must be text or json");
+  if (text != "text" && text != "json") return wrong_use("--log: must be text or json");
   config.log_format = text == "json" ? LogFormat::json : LogFormat::text;
   return api::Done{};
 }
@@ -68,7 +64,7 @@ bool is_name_of_machine(std::string_view text) {
 /// A name without a port, as browsers send it: "render.example.org".
 api::Status take_public_host(std::string_view text, Config& config) {
   if (!is_name_of_machine(text))
-    return wrong("--public-host: '" + std::string(text) + "' is not the name of a host, without a port");
+    return wrong_use("--public-host: '" + std::string(text) + "' is not the name of a host, without a port");
   config.public_hosts.emplace_back(text);
   return api::Done{};
 }
@@ -123,7 +119,7 @@ api::Status take_proxy(std::string_view text, Config& config) {
     }
   // What ends in a digit is meant as an address, and no name does.
   if (!is_name_of_machine(text) || (text.back() >= '0' && text.back() <= '9'))
-    return wrong("--proxy: '" + given + "' is neither the address nor the name of a machine");
+    return wrong_use("--proxy: '" + given + "' is neither the address nor the name of a machine");
   config.proxies.push_back(given);
   return api::Done{};
 }
@@ -148,8 +144,8 @@ api::Status take_option(std::string_view name, std::string_view value, Config& c
   if (!number) return api::Done{};
   const auto given = number_within(value, number->least, number->most);
   if (!given)
-    return wrong(std::string(name) + ": must be a whole number from " + std::to_string(number->least) +
-                 " to " + std::to_string(number->most));
+    return wrong_use(std::string(name) + ": must be a whole number from " + std::to_string(number->least) +
+                     " to " + std::to_string(number->most));
   number->set(config, *given);
   return api::Done{};
 }
@@ -173,11 +169,30 @@ bool takes_value(std::string_view name) {
   return found == kOthers.end() ? number_named(name) != nullptr : found->kind != OptionKind::flag;
 }
 
-/// What a flag switches; none: `word` is no flag.
-bool* flag_named(std::string_view word, Config& config) {
-  if (word == "--evict") return &config.evict;
-  if (word == "--insecure-public") return &config.insecure_public;
-  return word == "--ops-open" ? &config.ops_open : nullptr;
+struct FlagOption {
+  std::string_view name;
+  bool Config::*value;
+};
+constexpr std::array kFlags{FlagOption{"--evict", &Config::evict},
+                            FlagOption{"--insecure-public", &Config::insecure_public},
+                            FlagOption{"--ops-open", &Config::ops_open}};
+
+/// "--evict", "--evict=false", "--no-evict". False: `word` is no flag. Errors: invalid_request for a value
+/// that is neither true nor false.
+api::Result<bool> take_flag(std::string_view word, Config& config) {
+  const std::size_t equals = word.find('=');
+  for (const FlagOption& flag : kFlags) {
+    if (word == flag.name || word == opposite_of(flag.name)) {
+      config.*flag.value = word == flag.name;
+      return true;
+    }
+    if (equals == word.npos || word.substr(0, equals) != flag.name) continue;
+    const auto truth = truth_of(word.substr(equals + 1));
+    if (!truth) return wrong_use(std::string(flag.name) + ": must be true or false");
+    config.*flag.value = *truth;
+    return true;
+  }
+  return false;
 }
 
 bool is_program(const std::filesystem::path& path) {
@@ -213,17 +228,18 @@ std::filesystem::path find_worker() {
 }
 
 api::Result<CommandLine> complete(Config config) {
-  if (config.data.empty()) return wrong("--data DIR is missing: where jobs are to be kept");
+  if (config.data.empty()) return wrong_use("--data DIR is missing: where jobs are to be kept");
   if (config.worker.empty()) config.worker = find_worker();
   if (config.worker.empty())
-    return wrong("the worker 'keylume' is not found; say where it is with --worker PATH");
-  if (!is_program(config.worker)) return wrong("--worker: " + config.worker.string() + " cannot be executed");
+    return wrong_use("the worker 'keylume' is not found; say where it is with --worker PATH");
+  if (!is_program(config.worker))
+    return wrong_use("--worker: " + config.worker.string() + " cannot be executed");
   config.worker = std::filesystem::absolute(config.worker);
   std::error_code error;
   if (config.dashboard.empty())
     config.dashboard = find_dashboard();
   else if (!std::filesystem::is_directory(config.dashboard, error))
-    return wrong("--dashboard: " + config.dashboard.string() + " is no folder");
+    return wrong_use("--dashboard: " + config.dashboard.string() + " is no folder");
   return CommandLine(std::move(config));
 }
 
@@ -260,26 +276,30 @@ api::Result<Config> parse_options(std::span<const std::string_view> words) {
   Config config;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
-    if (bool* const flag = flag_named(word, config)) {
-      *flag = true;
-      continue;
-    }
+    const auto is_flag = take_flag(word, config);
+    if (!is_flag) return is_flag.error();
+    if (*is_flag) continue;
     const std::size_t equals = word.find('=');
     const std::string_view name = word.substr(0, equals);
-    if (!takes_value(name)) return wrong(std::string("'").append(word).append("' is not an option"));
+    if (!takes_value(name)) return wrong_use(std::string("'").append(word).append("' is not an option"));
     if (equals == word.npos && i + 1 == words.size())
-      return wrong(std::string(name) + ": a value is missing");
+      return wrong_use(std::string(name) + ": a value is missing");
     const std::string_view value = equals == word.npos ? words[++i] : word.substr(equals + 1);
     if (const api::Status taken = take_option(name, value, config); !taken) return taken.error();
   }
   return config;
 }
 
-api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words) {
+std::optional<CommandLine> asked_to_tell(std::span<const std::string_view> words) {
   for (const std::string_view word : words) {
     if (word == "--help" || word == "-h") return CommandLine(ShowHelp{});
     if (word == "--version") return CommandLine(ShowVersion{});
   }
+  return std::nullopt;
+}
+
+api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words) {
+  if (auto asked = asked_to_tell(words)) return std::move(*asked);
   auto config = parse_options(words);
   if (!config) return config.error();
   return complete(std::move(*config));
@@ -336,7 +356,8 @@ usage: keylume-server --data DIR [options]
   --help, --version
 
 Every option is also a variable of the environment: KEYLUME_MAX_UPLOAD_BYTES=1000000; flags are true or false, several
-names are separated by commas. The command line comes before the environment, that before the file.
+names are separated by commas. The command line comes before the environment, that before the file; there
+--no-evict, or --evict=false, takes a flag back.
 
 other commands, each but health with --data DIR or KEYLUME_DATA:
   token create NAME [--scopes LIST] [--expires-days N] [--out FILE] [--if-none] [--again]

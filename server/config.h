@@ -44,7 +44,7 @@ struct Config {
   std::optional<std::int64_t> ttl_days;  ///< of jobs that do not say how long they are to be kept
   bool evict = false;  ///< remove what nobody has used for longest rather than be over stored_bytes_max
   std::vector<std::string> public_hosts;  ///< names that a Host header may have
-  std::vector<std::string> proxies;       ///< addresses whose X-Forwarded-* headers are believed
+  std::vector<std::string> proxies;       ///< addresses and names whose X-Forwarded-* headers are believed
   std::filesystem::path token_file;       ///< of the first token, see make_first_token; empty: none is made
   LogFormat log_format = LogFormat::automatic;
   bool insecure_public = false;  ///< listen beyond this machine although anybody may then use the service
@@ -56,7 +56,11 @@ struct ShowVersion {};
 
 using CommandLine = std::variant<Config, ShowHelp, ShowVersion>;
 
-/// `words` are argv without the program's name. Options are `--name value` or `--name=value`.
+/// ShowHelp or ShowVersion, where a word asks for it; for that nothing else need be right.
+std::optional<CommandLine> asked_to_tell(std::span<const std::string_view> words);
+
+/// `words` are argv without the program's name. Options are `--name value` or `--name=value`; flags `--name`,
+/// `--name=false` or `--no-name`.
 /// Errors: invalid_request; the message names the word that is wrong.
 api::Result<CommandLine> parse_command_line(std::span<const std::string_view> words);
 

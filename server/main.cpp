@@ -228,6 +228,14 @@ int refuse_usage(const api::Error& error) {
   return kExitUsage;
 }
 
+int tell(const CommandLine& asked) {
+  if (std::holds_alternative<ShowHelp>(asked))
+    std::cout << help_text();
+  else
+    std::cout << "keylume-server " KEYLUME_VERSION "\n";
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -236,19 +244,12 @@ int main(int argc, char** argv) {
   if (const auto exit_code = server::run_command(given)) return *exit_code;
   const bool health = !given.empty() && given.front() == "health";
   if (health) given.erase(given.begin());
+  if (const auto asked = server::asked_to_tell(given)) return tell(*asked);
   const auto words = server::with_settings(given, server::own_environment(), server::option_names());
   if (!words) return refuse_usage(words.error());
   const std::vector<std::string_view> all(words->begin(), words->end());
   if (health) return server::run_health_command(all);
   const auto command = server::parse_command_line(all);
   if (!command) return refuse_usage(command.error());
-  if (std::holds_alternative<server::ShowHelp>(*command)) {
-    std::cout << server::help_text();
-    return 0;
-  }
-  if (std::holds_alternative<server::ShowVersion>(*command)) {
-    std::cout << "keylume-server " KEYLUME_VERSION "\n";
-    return 0;
-  }
   return run(std::get<server::Config>(*command));
 }

@@ -1,4 +1,5 @@
 #include "server/settings.h"
+#include "server/text.h"
 
 #include <unistd.h>
 
@@ -18,10 +19,6 @@ constexpr std::size_t kFileBytesMax = 64 << 10;
 
 using Settings = std::map<std::string, std::string, std::less<>>;  // "--data" -> its value
 
-api::Error wrong(std::string message) {
-  return {api::Fault::invalid_request, std::move(message)};
-}
-
 std::string_view without_blanks(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r";
   const std::size_t begin = text.find_first_not_of(kBlanks);
@@ -34,12 +31,6 @@ const OptionName* option_named(std::span<const OptionName> known, std::string_vi
   return found == known.end() ? nullptr : &*found;
 }
 
-std::optional<bool> truth_of(std::string_view text) {
-  if (text == "true" || text == "1" || text == "yes") return true;
-  if (text == "false" || text == "0" || text == "no") return false;
-  return std::nullopt;
-}
-
 api::Result<std::string> contents(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return api::Error{api::Fault::not_found, "--config: " + path + " cannot be read"};
@@ -47,7 +38,7 @@ api::Result<std::string> contents(const std::string& path) {
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (file.bad()) return api::Error{api::Fault::not_found, "--config: " + path + " cannot be read"};
   text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kFileBytesMax) return wrong("--config: " + path + " is longer than 64 KiB");
+  if (text.size() > kFileBytesMax) return wrong_use("--config: " + path + " is longer than 64 KiB");
   return text;
 }
 
@@ -57,10 +48,10 @@ api::Status take_line(std::string_view line, const std::string& where, std::span
   line = without_blanks(line);
   if (line.empty() || line.starts_with('#')) return api::Done{};
   const std::size_t equals = line.find('=');
-  if (equals == line.npos) return wrong(where + ": not 'name = value'");
+  if (equals == line.npos) return wrong_use(where + ": not 'name = value'");
   const std::string name = "--" + std::string(without_blanks(line.substr(0, equals)));
   const OptionName* option = option_named(known, name);
-  if (!option) return wrong(where + ": '" + name.substr(2) + "' is not an option");
+  if (!option) return wrong_use(where + ": '" + name.substr(2) + "' is not an option");
   const std::string value(without_blanks(line.substr(equals + 1)));
   std::string& kept = settings[name];
   if (option->kind == OptionKind::list)
@@ -68,7 +59,7 @@ api::Status take_line(std::string_view line, const std::string& where, std::span
   else if (kept.empty())
     kept = value;
   else
-    return wrong(where + ": '" + name.substr(2) + "' is there twice");
+    return wrong_use(where + ": '" + name.substr(2) + "' is there twice");
   return api::Done{};
 }
 
@@ -83,7 +74,8 @@ api::Status take_file(const std::string& path, std::span<const OptionName> known
     if (!taken) return taken;
     rest = end == rest.npos ? std::string_view() : rest.substr(end + 1);
   }
-  return rest.empty() ? api::Status(api::Done{}) : wrong("--config: " + path + " has more than 1000 lines");
+  return rest.empty() ? api::Status(api::Done{})
+                      : wrong_use("--config: " + path + " has more than 1000 lines");
 }
 
 Settings settings_of(std::span<const std::string_view> environment, std::span<const OptionName> known) {
@@ -107,7 +99,7 @@ api::Result<std::optional<std::string>> take_config(std::vector<std::string_view
       continue;
     }
     const bool apart = word == kConfig;
-    if (apart && i + 1 == argv.size()) return wrong("--config: a value is missing");
+    if (apart && i + 1 == argv.size()) return wrong_use("--config: a value is missing");
     path = std::string(apart ? argv[i + 1] : word.substr(kConfig.size() + 1));
     const auto at = argv.begin() + static_cast<std::ptrdiff_t>(i);
     argv.erase(at, at + (apart ? 2 : 1));
@@ -115,9 +107,11 @@ api::Result<std::optional<std::string>> take_config(std::vector<std::string_view
   return path;
 }
 
-bool has(std::span<const std::string_view> argv, std::string_view option) {
-  return std::any_of(argv.begin(), argv.end(),
-                     [&](std::string_view word) { return word.substr(0, word.find('=')) == option; });
+bool has(std::span<const std::string_view> argv, const OptionName& option) {
+  const std::string opposite = option.kind == OptionKind::flag ? opposite_of(option.name) : std::string();
+  return std::any_of(argv.begin(), argv.end(), [&](std::string_view word) {
+    return word.substr(0, word.find('=')) == option.name || (!opposite.empty() && word == opposite);
+  });
 }
 
 /// As words of a command line. `where`: what to name in messages.
@@ -127,7 +121,7 @@ api::Status add_words(const OptionName& option, std::string_view value, const st
   if (option.kind == OptionKind::value) words.push_back(name + "=" + std::string(value));
   if (option.kind == OptionKind::flag) {
     const auto truth = truth_of(value);
-    if (!truth) return wrong(where + ": must be true or false");
+    if (!truth) return wrong_use(where + ": must be true or false");
     if (*truth) words.push_back(name);
   }
   if (option.kind != OptionKind::list) return api::Done{};
@@ -141,6 +135,16 @@ api::Status add_words(const OptionName& option, std::string_view value, const st
 }
 
 }  // namespace
+
+std::optional<bool> truth_of(std::string_view text) {
+  if (text == "true" || text == "1" || text == "yes") return true;
+  if (text == "false" || text == "0" || text == "no") return false;
+  return std::nullopt;
+}
+
+std::string opposite_of(std::string_view flag) {
+  return "--no-" + std::string(flag.substr(2));
+}
 
 std::string variable_of(std::string_view option) {
   std::string name = "KEYLUME_";
@@ -171,7 +175,7 @@ api::Result<std::vector<std::string>> with_settings(std::span<const std::string_
   const Settings of_environment = settings_of(environment, known);
   std::vector<std::string> words;
   for (const OptionName& option : known) {
-    if (has(given, option.name)) continue;
+    if (has(given, option)) continue;
     const auto variable = of_environment.find(option.name);
     const auto line = of_file.find(option.name);
     api::Status added = api::Done{};

@@ -5,6 +5,7 @@
 // environment, that before the file; an option is taken from the first of them that has it.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,7 +18,7 @@ namespace server {
 enum class OptionKind {
   value,  ///< one
   list,   ///< any number; in the environment and the file separated by commas or spaces
-  flag    ///< elsewhere than on the command line: true or false, 1 or 0, yes or no
+  flag    ///< true or false, 1 or 0, yes or no; on the command line also alone, and --no-NAME
 };
 
 struct OptionName {
@@ -32,6 +33,12 @@ struct OptionName {
 api::Result<std::vector<std::string>> with_settings(std::span<const std::string_view> argv,
                                                     std::span<const std::string_view> environment,
                                                     std::span<const OptionName> known);
+
+/// What a flag's value says; none: neither.
+std::optional<bool> truth_of(std::string_view text);
+
+/// "--ops-open" -> "--no-ops-open", which takes back what the environment or the file says.
+std::string opposite_of(std::string_view flag);
 
 /// "--max-upload-bytes" -> "KEYLUME_MAX_UPLOAD_BYTES"
 std::string variable_of(std::string_view option);

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """What keeps a server from starting, and how it ends."""
+import os
 import socket
 import subprocess
 import unittest
 from pathlib import Path
 
-from service import Service, ServiceTestCase, wait_until
+from service import SERVER, Service, ServiceTestCase, wait_until
 from small_jobs import write_job
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -22,6 +23,15 @@ class Start(ServiceTestCase):
         second = Service(first.data)
         self.assertIn(str(first.data), self.refusal(second.command()))
         self.assertEqual(first.get("/healthz").status, 200, "the first goes on")
+
+    def test_help_and_version_are_told_whatever_the_options(self):
+        wrong = {**os.environ, "KEYLUME_CONFIG": "/nonexistent", "KEYLUME_EVICT": "perhaps"}
+        for words, said in ((["--help"], "usage: keylume-server"), (["--version"], "keylume-server "),
+                            (["--data", "/nonexistent", "-h"], "usage: keylume-server")):
+            run = subprocess.run([SERVER, *words], capture_output=True, text=True, timeout=20, env=wrong,
+                                 stdin=subprocess.DEVNULL)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn(said, run.stdout)
 
     def test_a_taken_port_is_named(self):
         first = self.service()

@@ -46,6 +46,23 @@ TEST_F(SettingsFile, TheCommandLineComesBeforeTheEnvironmentAndThatBeforeTheFile
   EXPECT_EQ(*words, (Words{"--log=json", "--blob-hours=6", "--data", "line"}));
 }
 
+TEST(Settings, AFlagOfTheEnvironmentCanBeTakenBackOnTheCommandLine) {
+  const std::string_view open = "KEYLUME_OPS_OPEN=true";
+  EXPECT_EQ(*settings({}, {open}), (Words{"--ops-open"}));
+  for (const char* word : {"--no-ops-open", "--ops-open=false"}) {
+    const auto words = settings({word}, {open});
+    ASSERT_TRUE(words);
+    EXPECT_EQ(*words, Words{word});
+    const auto config = parse_options(std::vector<std::string_view>{"--ops-open", words->front()});
+    ASSERT_TRUE(config) << config.error().message;
+    EXPECT_FALSE(config->ops_open) << word;
+  }
+  EXPECT_TRUE(parse_options(std::vector<std::string_view>{"--ops-open=yes"})->ops_open);
+  EXPECT_FALSE(parse_options(std::vector<std::string_view>{"--ops-open=perhaps"}));
+  EXPECT_FALSE(parse_options(std::vector<std::string_view>{"--no-data"})) << "only flags";
+  EXPECT_FALSE(parse_options(std::vector<std::string_view>{"--no-evict=true"}));
+}
+
 TEST_F(SettingsFile, TheFileMayBeNamedOnTheCommandLine) {
   const std::string path = write("evict = yes\ninsecure-public = no\n");
   EXPECT_EQ(*settings({"--config", path}, {}), (Words{"--evict"}));
