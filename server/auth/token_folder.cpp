@@ -93,6 +93,26 @@ std::filesystem::path TokenFolder::file_of(std::string_view prefix) const {
   return folder_ / (std::string(prefix) + ".json");
 }
 
+// The folder says that there has been a token: it gets its name when the first one is in it, or a crash in
+// between would keep all out for good.
+api::Result<TokenFolder::Room> TokenFolder::room_for_one_more() const {
+  for (;;) {
+    const bool is_new = !exists();
+    const std::filesystem::path folder = folder_.string() + (is_new ? ".new" : "");
+    if (is_new && ::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
+      return file_error(folder.string(), errno);
+    auto locked = lock(folder);
+    // Whoever held it before us may have given it the name; and what we have opened is that very folder.
+    if (is_new && exists()) continue;
+    if (!locked) return locked.error();
+    std::error_code ignored;
+    if (is_new)
+      for (const auto& left : std::filesystem::directory_iterator(folder, ignored))
+        std::filesystem::remove(left.path(), ignored);  // of a crash; it never counted
+    return Room{folder, is_new, std::move(*locked)};
+  }
+}
+
 api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes& scopes, std::int64_t now_ms,
                                              std::optional<std::int64_t> expires_ms, bool again,
                                              const HandOver& hand_over) {
@@ -103,9 +123,8 @@ api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes
   const std::filesystem::path data = folder_.parent_path();
   std::filesystem::create_directories(data.parent_path(), error);
   (void)::mkdir(data.c_str(), 0700);  // as the server makes it; where it is missing, the next line says so
-  if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) return file_error(folder_.string(), errno);
-  const auto locked = lock(folder_);
-  if (!locked) return locked.error();
+  const auto room = room_for_one_more();
+  if (!room) return room.error();
   const auto others = list();
   if (!others) return others.error();
   if (others->size() >= kTokensMax)
@@ -118,12 +137,14 @@ api::Result<std::string> TokenFolder::create(std::string_view name, const Scopes
   auto text = new_token_text();
   if (text && hand_over) text = hand_over(*text);
   if (!text) {
-    ::rmdir(folder_.c_str());  // where there is none yet, there never was one
+    if (room->is_new) ::rmdir(room->folder.c_str());
     return text;
   }
   const Token token{std::string(name), *prefix_of(*text), sha256_of(*text), scopes, now_ms, expires_ms};
-  if (const api::Status written = write_new_file(file_of(token.prefix), json_of(token)); !written)
-    return written.error();
+  const auto written = write_new_file(room->folder / file_of(token.prefix).filename(), json_of(token));
+  if (!written) return written.error();
+  if (room->is_new && ::rename(room->folder.c_str(), folder_.c_str()) != 0)
+    return file_error(folder_.string(), errno);
   if (const api::Status synced = sync_folder(folder_.parent_path()); !synced) return synced.error();
   return text;
 }

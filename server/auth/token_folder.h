@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "api/result.h"
+#include "server/artefacts/files.h"
 #include "server/auth/scopes.h"
 #include "server/auth/sessions.h"
 
@@ -73,6 +74,13 @@ class TokenFolder {
     std::uint64_t inode = 0;
   };
 
+  /// Where the next token is written, locked against others who make one.
+  struct Room {
+    std::filesystem::path folder;
+    bool is_new = false;  ///< to be renamed once the first token is in it
+    FileHandle locked;
+  };
+  api::Result<Room> room_for_one_more() const;
   std::filesystem::path file_of(std::string_view prefix) const;
   std::optional<Token> read(const std::string& prefix) const;
   std::optional<Token> current(const std::string& prefix);

@@ -283,6 +283,22 @@ TEST_F(AuthTest, TheSchemeHasNoCaseAndOthersAreForOthers) {
   EXPECT_EQ(refusal(request_to("GET", "/v1/jobs", {{"Authorization", "Basic dXNlcjpwYXNz"}})), 401);
 }
 
+TEST_F(AuthTest, AFolderThatHasNeverHeldATokenIsNone) {
+  // As a crash leaves it at any moment of the making.
+  const auto look = [&](const std::string& fresh) -> api::Result<std::string> {
+    EXPECT_FALSE(tokens_->exists());
+    return fresh;
+  };
+  ASSERT_TRUE(tokens_->create("first", scopes_of("jobs:read"), kNow, {}, false, look));
+  EXPECT_TRUE(tokens_->exists());
+  ASSERT_TRUE(tokens_->revoke("first"));
+  const auto refuse = [](const std::string&) -> api::Result<std::string> {
+    return api::Error{api::Fault::disk_full, "no room"};
+  };
+  EXPECT_FALSE(tokens_->create("second", scopes_of("jobs:read"), kNow, {}, false, refuse));
+  EXPECT_TRUE(tokens_->exists()) << "there has been one";
+}
+
 TEST_F(AuthTest, ATokenIsHandedOverBeforeItIsKept) {
   const auto tokens = temporary_.path() / "data/tokens";
   const auto count = [&] {
