@@ -6,6 +6,7 @@
 #include "api/json/reader.h"
 #include "server/artefacts/files.h"
 #include "server/artefacts/verify.h"
+#include "server/jobs/without_folder.h"
 #include "server/log.h"
 
 namespace server {
@@ -157,13 +158,16 @@ api::JobReport read_report_file(const std::filesystem::path& job_folder, std::st
   if (!bytes) return bytes.error().fault == api::Fault::not_found ? api::JobReport{} : dropped(bytes.error());
   if (bytes->empty()) return {};  // of a worker that has ended before it wrote one
   auto report = api::parse_job_report(*bytes);
+  if (report) leave_out_folder(job_folder.string(), *report);
   return report ? std::move(*report) : dropped(report.error());
 }
 
 }  // namespace
 
 api::JobReport read_report_at(const std::filesystem::path& folder, std::string_view file) {
-  return read_report_file(folder, file);
+  api::JobReport report = read_report_file(folder, file);
+  leave_out_folder(folder.parent_path().string(), report);  // of a view: its job's
+  return report;
 }
 
 api::Result<std::vector<ArtefactFile>> collect_files(const std::filesystem::path& folder) {

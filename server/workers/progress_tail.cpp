@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/jobs/without_folder.h"
+
 namespace server {
 namespace {
 
@@ -62,6 +64,7 @@ void ProgressTail::take_line(std::string_view line, News& news) {
     ++bad_lines_;
     return;
   }
+  parsed->message = without_folder(parsed->message, job_folder_.string());
   if (parsed->message.size() > kMessageBytesMax) parsed->message.resize(kMessageBytesMax);
   news.alive = true;
   news.newest = std::move(*parsed);

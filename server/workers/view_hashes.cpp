@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/artefacts/files.h"
+#include "server/text.h"
 
 namespace server {
 namespace {
@@ -23,9 +24,8 @@ std::optional<std::string_view> take_until(std::string_view& rest, char end) {
 }
 
 std::optional<std::int64_t> bytes_of(std::string_view digits) {
-  if (digits.empty() || digits.size() > 18 || digits.find_first_not_of("0123456789") != digits.npos)
-    return std::nullopt;
-  return std::stoll(std::string(digits));
+  const auto bytes = whole_number(digits);
+  return bytes && *bytes >= 0 ? bytes : std::nullopt;
 }
 
 }  // namespace

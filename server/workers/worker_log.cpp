@@ -3,8 +3,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <utility>
+
+#include "server/jobs/without_folder.h"
 
 namespace server {
 namespace {
@@ -12,20 +16,12 @@ namespace {
 constexpr std::size_t kTailBytes = 600;
 constexpr int kPiecesAtOnce = 64;  // a flood must not keep us from watching
 
-/// "/data/jobs/job_1/input/scene.obj" -> "input/scene.obj", the folder itself -> "."
-std::string without_folder(std::string_view text, std::string_view folder) {
-  std::string changed;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t found = text.find(folder, at);
-    changed += text.substr(at, found - at);
-    if (found == text.npos) break;
-    at = found + folder.size();
-    if (at < text.size() && text[at] == '/')
-      ++at;
-    else
-      changed += '.';
-  }
-  return changed;
+/// How many bytes at the end of `text` may be the beginning of a path in `folder`, up to the name in there.
+std::size_t begun_at_end(std::string_view text, const std::string& folder) {
+  const std::string within = folder + "/";
+  for (std::size_t bytes = std::min(text.size(), within.size()); bytes > 0; --bytes)
+    if (text.ends_with(std::string_view(within).substr(0, bytes))) return bytes;
+  return 0;
 }
 
 }  // namespace
@@ -40,7 +36,7 @@ WorkerLog::WorkerLog(const std::filesystem::path& job_folder, std::string_view t
 
 bool WorkerLog::take_from(const FileHandle& output) {
   std::array<char, 4096> piece{};
-  std::string taken;  // at once: a path must not be in two pieces
+  std::string taken = std::move(held_);
   bool open = true;
   for (int i = 0; i < kPiecesAtOnce; ++i) {
     const ssize_t count = ::read(output.get(), piece.data(), piece.size());
@@ -51,8 +47,22 @@ bool WorkerLog::take_from(const FileHandle& output) {
     }
     taken.append(piece.data(), static_cast<std::size_t>(count));
   }
+  // A path may come in two pieces: what may be the beginning of one waits for the rest.
+  const std::size_t begun = open ? begun_at_end(taken, folder_) : 0;
+  held_ = taken.substr(taken.size() - begun);
+  taken.resize(taken.size() - begun);
   if (!taken.empty()) add(without_folder(taken, folder_));
   return open;
+}
+
+WorkerLog::~WorkerLog() {
+  if (const std::string rest = what_is_held(); !rest.empty()) add(rest);
+}
+
+// Half a path that nothing came after says where the folder lies as well as all of it.
+std::string WorkerLog::what_is_held() const {
+  if (held_ == "/") return held_;
+  return held_.starts_with(folder_) ? "." : "";
 }
 
 void WorkerLog::add(std::string_view text) {
@@ -66,7 +76,8 @@ void WorkerLog::add(std::string_view text) {
 }
 
 std::string WorkerLog::tail() const {
-  std::string text = tail_.size() > kTailBytes ? tail_.substr(tail_.size() - kTailBytes) : tail_;
+  const std::string all = tail_ + what_is_held();
+  std::string text = all.size() > kTailBytes ? all.substr(all.size() - kTailBytes) : all;
   if (text.size() == kTailBytes) {
     const std::size_t line = text.find('\n');
     if (line != text.npos && line + 1 < text.size()) text.erase(0, line + 1);

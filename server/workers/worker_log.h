@@ -18,6 +18,9 @@ class WorkerLog {
 
   /// Begins with a line that names what follows. A log that cannot be written is no reason to stop a job.
   WorkerLog(const std::filesystem::path& job_folder, std::string_view title);
+  ~WorkerLog();
+  WorkerLog(const WorkerLog&) = delete;
+  WorkerLog& operator=(const WorkerLog&) = delete;
 
   /// Takes what `output` holds now, or a good part of it, without waiting; false at its end.
   bool take_from(const FileHandle& output);
@@ -27,12 +30,14 @@ class WorkerLog {
 
  private:
   void add(std::string_view text);
+  std::string what_is_held() const;
 
   std::string folder_;
   FileHandle file_;
   std::int64_t written_ = 0;
   bool cut_ = false;
   std::string tail_;
+  std::string held_;  ///< that came last, and may be the beginning of a path
 };
 
 }  // namespace server

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <thread>
 
+#include "server/jobs/collect_results.h"
 #include "server/workers/check_command.h"
 #include "server/workers/worker_log.h"
 #include "tests/unit/server/workers_fixture.h"
@@ -129,6 +130,48 @@ TEST(WorkerLogs, TellPathsFromTheFolderOfTheJob) {
   const auto kept = read_below(job, "worker.log", 1000);
   ASSERT_TRUE(kept);
   EXPECT_EQ(*kept, "--- attempt 1\n" + told + "\n");
+}
+
+TEST(WorkerLogs, TellPathsThatComeInTwoPiecesTheSame) {
+  const TemporaryFolder folder;
+  const std::filesystem::path job = folder.path() / "job_1";
+  std::filesystem::create_directory(job);
+  const std::string whole = "cannot open '" + (job / "input/scene.obj").string() + "'\n" + job.string();
+  for (std::size_t cut = 0; cut <= whole.size(); ++cut) {
+    std::filesystem::remove(job / "worker.log");
+    std::array<int, 2> ends{};
+    ASSERT_EQ(::pipe2(ends.data(), O_NONBLOCK | O_CLOEXEC), 0);
+    const FileHandle output(ends[0]);
+    FileHandle input(ends[1]);
+    {
+      WorkerLog log(job, "attempt 1");
+      ASSERT_TRUE(write_all(input, std::string_view(whole).substr(0, cut)));
+      EXPECT_TRUE(log.take_from(output));
+      EXPECT_EQ(log.tail().find(folder.path().string()), std::string::npos) << log.tail();
+      ASSERT_TRUE(write_all(input, std::string_view(whole).substr(cut)));
+      EXPECT_TRUE(log.take_from(output));
+      EXPECT_EQ(log.tail(), "cannot open 'input/scene.obj'\n.") << cut;
+    }
+    const auto kept = read_below(job, "worker.log", 1000);
+    ASSERT_TRUE(kept);
+    EXPECT_EQ(*kept, "--- attempt 1\ncannot open 'input/scene.obj'\n.") << cut;
+  }
+}
+
+TEST(WorkerReports, TellPathsFromTheFolderOfTheJob) {
+  const TemporaryFolder folder;
+  const std::filesystem::path job = folder.path() / "job_1";
+  api::JobReport report;
+  report.outcome = "failed";
+  report.message = "cannot write " + (job / "artefacts/radiosity.npy").string() + ": Input/output error";
+  report.warnings = {"in " + job.string()};
+  std::filesystem::create_directories(job / "views");
+  for (const auto& [at, name] : {std::pair(job, "report.json"), std::pair(job / "views", "a.report.json")}) {
+    std::ofstream(at / name) << api::job_report_json(report);
+    const api::JobReport read = at == job ? read_report(job) : read_report_at(at, name);
+    EXPECT_EQ(read.message, "cannot write artefacts/radiosity.npy: Input/output error");
+    EXPECT_EQ(read.warnings, std::vector<std::string>{"in ."});
+  }
 }
 
 TEST_F(WorkersTest, LinesThatAreNoProgressAreSkipped) {
