@@ -28,6 +28,12 @@ api::Error failure_of(const ChildOutcome& outcome, const std::filesystem::path& 
   const bool full = outcome.log_tail.find("No space left on device") != std::string::npos;
   if (full || (free && *free < kRoomBytes))
     return {api::Fault::disk_full, "the disk is full: " + outcome.log_tail};
+  // An ffmpeg may be built without an encoder, as that of the image's variant without x264 is. "preset" is an
+  // option that no other encoder of ours has, and ffmpeg looks at options first.
+  for (const char* lacks : {"Unknown encoder", "Unrecognized option 'preset'"})
+    if (outcome.log_tail.find(lacks) != std::string::npos)
+      return {api::Fault::out_of_resources,
+              "the ffmpeg beside this server has no encoder for such a video: another format may do"};
   return {api::Fault::internal, "ffmpeg failed: " + outcome.log_tail};
 }
 
