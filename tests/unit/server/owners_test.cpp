@@ -181,7 +181,8 @@ TEST_F(Owners, ABatchTouchesOnlyTheirOwn) {
   ASSERT_EQ(answer.status, 200) << answer.body;
   const auto results = api::parse_json(answer.body, "answer")->at("results");
   EXPECT_EQ(results[0].at("status"), 404);
-  EXPECT_EQ(replaced(results[0].at("detail"), annas.id, kUnknown), results[2].at("detail").get<std::string>());
+  EXPECT_EQ(replaced(results[0].at("detail"), annas.id, kUnknown),
+            results[2].at("detail").get<std::string>());
   EXPECT_EQ(results[1].at("status"), 202);
   EXPECT_EQ(job(annas.id).state, api::JobState::queued);
 }
