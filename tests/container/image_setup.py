@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -46,16 +47,34 @@ def start_engine(folder):
     return dict(re.findall(r"(DOCKER_\w+)='?([^'\s]+)", run.stdout))
 
 
-def build(folder, target, tag):
-    secrets = subprocess.run([ENGINE, "secrets", folder / "engine"], stdout=subprocess.PIPE, text=True, check=True)
-    command = ["docker", "build", "--progress=plain", *secrets.stdout.split("\n")[:-1], "-f", "docker/Dockerfile",
-               "--target", target, "-t", tag, "."]
+def build(folder, target, tag, secrets):
+    """-> seconds; ends this program with the end of the log where it fails"""
+    begun = time.monotonic()
+    command = ["docker", "build", "--progress=plain", *secrets, "-f", "docker/Dockerfile", "--target", target, "-t", tag, "."]
     log = folder / f"build_{target}.log"
     with log.open("w") as output:
         run = subprocess.run(command, cwd=folder / "context", stdout=output, stderr=output, timeout=BUILD_SECONDS_MAX)
     if run.returncode != 0:
         print("\n".join(log.read_text(errors="replace").splitlines()[-40:]))
         sys.exit(f"docker build --target {target} failed")
+    return time.monotonic() - begun
+
+
+def build_all(folder):
+    """Side by side: most of it waits for packages, and they share their first stage.  -> {target: seconds}"""
+    secrets = subprocess.run([ENGINE, "secrets", folder / "engine"], stdout=subprocess.PIPE, text=True, check=True)
+    with ThreadPoolExecutor() as pool:
+        builds = {target: pool.submit(build, folder, target, tag, secrets.stdout.splitlines()) for target, tag in IMAGES.items()}
+    return {target: done.result() for target, done in builds.items()}
+
+
+def take_dashboard(folder):
+    """The files of the image's dashboard, for the tests that look at them from outside."""
+    shutil.rmtree(folder / "dashboard", ignore_errors=True)
+    made = subprocess.run(["docker", "create", "--label=keylume.test", IMAGES["runtime"]], capture_output=True, text=True, check=True)
+    subprocess.run(["docker", "cp", f"{made.stdout.strip()}:/usr/bin/dashboard", folder / "dashboard"],
+                   stdout=subprocess.DEVNULL, check=True)
+    subprocess.run(["docker", "rm", made.stdout.strip()], stdout=subprocess.DEVNULL, check=True)
 
 
 def size_mb(tag):
@@ -68,11 +87,8 @@ def up(folder):
     environment = start_engine(folder)
     os.environ.update(environment)
     make_context(folder / "context")
-    times = {}
-    for target, tag in IMAGES.items():
-        begun = time.monotonic()
-        build(folder, target, tag)
-        times[target] = time.monotonic() - begun
+    times = build_all(folder)
+    take_dashboard(folder)
     environment.update(KEYLUME_CONTAINER=IMAGES["runtime"], KEYLUME_TAG=TAG)
     (folder / "environment.json").write_text(json.dumps(environment))
     for target, tag in IMAGES.items():
