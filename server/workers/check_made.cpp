@@ -66,14 +66,16 @@ bool was_stopped(const api::Status& status) {
 }  // namespace
 
 std::string ViewService::last_checked() const {
+  if (checked_) return *checked_;
   const fs::path file = folder_.views_checked();
   const auto kept = read_below(file.parent_path(), file.filename().string(), kJobIdBytesMax);
   return kept ? *kept : std::string();
 }
 
 // Where that fails (a full disk), the next server looks again at what this one has looked at.
-void ViewService::keep_checked(const std::string& id) const {
+void ViewService::keep_checked(const std::string& id) {
   if (id == last_checked()) return;
+  checked_ = id;
   if (const api::Status kept = write_durably(folder_.views_checked(), id); !kept)
     log_line("integrity check: " + kept.error().message);
 }
@@ -135,14 +137,14 @@ void ViewService::drop_view(const Job& job, const std::string& name, const std::
   const std::string key = key_of_view(job.id, name);
   const fs::path dropped = views_of(job) / (std::string(kUnfinished) + "dropped." + name);
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(changing_);
     // It may have been removed while it was read, alone or with its job, or be on its way again.
     const Maker::State state = maker_.look(key).state;
     if (state == Maker::State::waiting || state == Maker::State::making || !jobs_.job(job.id)) return;
     std::error_code failed;
     fs::rename(views_of(job) / name, dropped, failed);
     if (failed) return;
-    verified_.erase(key);
+    forget_verified(key);
     fs::remove(hashes_of(job, name), failed);
     log_line("integrity check: " + key + " is damaged: " + why + "; it is made again");
     if (fs::exists(views_of(job) / (name + ".json"), failed))
@@ -168,7 +170,7 @@ api::Status ViewService::check_video(const Job& job, const std::string& file,
     return api::Done{};
   }
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(changing_);
     if (!jobs_.job(job.id)) return api::Done{};
     std::error_code failed;
     fs::remove(sum_of(path), failed);

@@ -169,29 +169,38 @@ api::Status ViewService::make_video(const Job& job, const std::string& camera, c
   return status;
 }
 
+/// State none where it is not there, or not whole yet.
+api::Result<Video> ViewService::ready_video(const Job& job, const std::string& file) const {
+  Video video;
+  video.file = file;
+  const auto hash = read_below(videos_of(job), file + ".sha256", kSumBytes);
+  const auto opened = open_below(videos_of(job), file);
+  if (!hash || !opened || hash->size() != kSumBytes ||
+      hash->find_first_not_of("0123456789abcdef") != hash->npos)
+    return video;
+  const auto bytes = size_of(*opened);
+  if (!bytes) return bytes.error();
+  video.state = MadeState::ready;
+  video.sha256 = *hash;
+  video.bytes = *bytes;
+  return video;
+}
+
 api::Result<Video> ViewService::ask_video(const Job& job, const std::string& camera,
                                           const std::string& extension) {
-  Video video;
-  video.file = camera + "." + extension;
-  const std::lock_guard lock(mutex_);
+  const std::string file = camera + "." + extension;
+  if (auto ready = ready_video(job, file); !ready || ready->state == MadeState::ready) return ready;
+  const std::lock_guard lock(changing_);
   if (const auto still = jobs_.job(job.id); !still) return still.error();
-  const auto hash = read_below(videos_of(job), video.file + ".sha256", kSumBytes);
-  const auto file = open_below(videos_of(job), video.file);
-  if (hash && file && hash->size() == kSumBytes &&
-      hash->find_first_not_of("0123456789abcdef") == hash->npos) {
-    const auto bytes = size_of(*file);
-    if (!bytes) return bytes.error();
-    video.state = MadeState::ready;
-    video.sha256 = *hash;
-    video.bytes = *bytes;
-    return video;
-  }
+  // It may have come while others were asking.
+  auto video = ready_video(job, file);
+  if (!video || video->state == MadeState::ready) return video;
   if (const api::Status whole = jobs_.must_be_whole(job, "images/" + camera + "/*"); !whole)
     return whole.error();
   if (!has_ffmpeg())
     return api::Error{api::Fault::out_of_resources,
                       "this server makes no videos: ffmpeg is not installed beside it"};
-  const std::string key = job.id + "/videos/" + video.file;
+  const std::string key = job.id + "/videos/" + file;
   const Maker::Look look = maker_.look(key);
   if (look.state == Maker::State::failed) {
     (void)maker_.forget(key);  // told once; whoever asks again has it tried again
@@ -202,8 +211,8 @@ api::Result<Video> ViewService::ask_video(const Job& job, const std::string& cam
     return make_video(job, camera, extension, stopping);
   });
   if (!asked) return asked.error();
-  video.state = look.state == Maker::State::making ? MadeState::making : MadeState::waiting;
-  if (look.state == Maker::State::waiting) video.error = look.error;
+  video->state = look.state == Maker::State::making ? MadeState::making : MadeState::waiting;
+  if (look.state == Maker::State::waiting) video->error = look.error;
   return video;
 }
 

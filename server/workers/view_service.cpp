@@ -99,7 +99,7 @@ ViewService::ViewService(JobService& jobs, const DataFolder& folder, ViewRules r
 
 void ViewService::end_all_of(const std::string& job_id) {
   // Who was asking has asked by now; who asks from now on finds no job.
-  { const std::lock_guard lock(mutex_); }
+  { const std::lock_guard lock(changing_); }
   maker_.end_all(job_id + "/");
   const std::lock_guard lock(mutex_);
   std::erase_if(verified_, [&](const auto& view) { return view.first.starts_with(job_id + "/"); });
@@ -194,6 +194,12 @@ api::Result<std::vector<ArtefactFile>> ViewService::verified_files(const Job& jo
   return files;
 }
 
+// Once the folder is gone: who has read its files before, keeps them before as well.
+void ViewService::forget_verified(const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  verified_.erase(key);
+}
+
 api::Status ViewService::promise(const Job& job, const std::string& name, const std::string& request_json) {
   if (auto made = make_folder(views_of(job)); !made) return made;
   if (names(job).size() >= rules_.views_per_job_max)
@@ -208,7 +214,7 @@ api::Status ViewService::promise(const Job& job, const std::string& name, const 
 api::Result<View> ViewService::ask(const Job& job, const api::ViewRequest& request) {
   const std::string name = view_name(request);
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(changing_);
     if (const auto still = jobs_.job(job.id); !still) return still.error();
     const Maker::State state = maker_.look(key_of_view(job.id, name)).state;
     const bool comes = state == Maker::State::waiting || state == Maker::State::making;
@@ -230,7 +236,6 @@ api::Result<View> ViewService::view(const Job& job, std::string_view name) {
   if (!is_view_name(name)) return unknown;
   View view;
   view.name = name;
-  std::unique_lock lock(mutex_);
   const auto request = read_below(views_of(job), view.name + ".json", api::kViewBytesMax);
   if (request) view.request_json = *request;
   const Maker::Look look = maker_.look(key_of_view(job.id, name));
@@ -239,7 +244,6 @@ api::Result<View> ViewService::view(const Job& job, std::string_view name) {
   if (look.state == Maker::State::failed) view.state = MadeState::failed, view.error = look.error;
   if (view.state != MadeState::none) return view;
   if (!std::filesystem::exists(views_of(job) / name)) return unknown;
-  lock.unlock();
   auto files = verified_files(job, name);
   if (!files && files.error().fault == api::Fault::not_found) return unknown;
   if (!files) return api::Error{api::Fault::internal, files.error().message};
@@ -264,13 +268,13 @@ std::vector<std::string> ViewService::names(const Job& job) const {
 
 api::Status ViewService::remove(const Job& job, std::string_view name) {
   if (const auto known = view(job, name); !known) return known.error();
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(changing_);
   if (!maker_.forget(key_of_view(job.id, name)))
     return api::Error{api::Fault::wrong_state, "the view is being made; delete it when it is ready"};
-  verified_.erase(key_of_view(job.id, name));
   // The request last: after a crash in between the view is made again, and can be removed again.
-  const std::filesystem::path folder = views_of(job) / name;
-  if (auto removed = remove_tree(folder); !removed) return removed;
+  const api::Status gone = remove_tree(views_of(job) / name);
+  forget_verified(key_of_view(job.id, name));
+  if (!gone) return gone;
   remove_quietly(hashes_of(job, name));
   api::Status removed = remove_tree(views_of(job) / (std::string(name) + ".json"));
   jobs_.record_bytes(job);

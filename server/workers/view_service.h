@@ -108,9 +108,11 @@ class ViewService {
   Maker::Work work_of(const std::string& job_id, const std::string& name);
   api::Status make_view(const std::string& job_id, const std::string& name,
                         const std::atomic<bool>& stopping);
+  api::Result<Video> ready_video(const Job& job, const std::string& file) const;
   api::Status make_video(const Job& job, const std::string& camera, const std::string& extension,
                          const std::atomic<bool>& stopping);
   api::Result<std::vector<ArtefactFile>> verified_files(const Job& job, std::string_view name);
+  void forget_verified(const std::string& key);
   static std::filesystem::path sum_of(const std::filesystem::path& video) {
     return video.string() + ".sha256";
   }
@@ -120,14 +122,16 @@ class ViewService {
   api::Status check_video(const Job& job, const std::string& file, const std::atomic<bool>& stopping);
   void drop_view(const Job& job, const std::string& name, const std::string& why);
   std::string last_checked() const;
-  void keep_checked(const std::string& id) const;
+  void keep_checked(const std::string& id);
 
   JobService& jobs_;
   const DataFolder& folder_;
   ViewRules rules_;
-  std::mutex mutex_;                                           ///< of asking, removing and of `verified_`
+  std::mutex changing_;  ///< of asking and removing, which wait for the disk; taken before mutex_
+  std::mutex mutex_;     ///< of `verified_`; who only reads waits for nothing else
   std::map<std::string, std::vector<ArtefactFile>> verified_;  ///< "<job>/<view>", whose files were read
-  Maker maker_;                                                ///< last: its threads use the rest
+  std::optional<std::string> checked_;  ///< the last job that check_made has read; none: as the file says
+  Maker maker_;                         ///< last: its threads use the rest
 };
 
 }  // namespace server
