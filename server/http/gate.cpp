@@ -144,7 +144,7 @@ std::optional<HttpAnswer> Gate::refuse(HttpRequest& request, const Route* route,
                                        std::vector<std::pair<std::string, std::string>>& more_headers) {
   if (auto stranger = refuse_stranger(request, rules_.hosts)) return stranger;
   request.over_tls = false;
-  if (proxies_.has(request.address)) {
+  if (proxies_.has(request.address, request.header("X-Forwarded-Proto").has_value())) {
     request.over_tls = request.header("X-Forwarded-Proto") == "https";
     // The last entry is the proxy's own word; those before it came from the client.
     if (const auto forwarded = request.header("X-Forwarded-For"))

@@ -4,6 +4,7 @@
 #include <netdb.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <condition_variable>
 #include <map>
@@ -18,8 +19,10 @@ std::optional<AddressSet> addresses_of(const std::string& name) {
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;
   addrinfo* first = nullptr;
-  if (::getaddrinfo(name.c_str(), nullptr, &wanted, &first) != 0) return std::nullopt;
   AddressSet found;
+  const int failed = ::getaddrinfo(name.c_str(), nullptr, &wanted, &first);
+  if (failed == EAI_NONAME || failed == EAI_NODATA) return found;  // an answer: there is no such machine now
+  if (failed != 0) return std::nullopt;
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> all(first, ::freeaddrinfo);
   for (const addrinfo* each = first; each; each = each->ai_next) {
     std::array<char, NI_MAXHOST> text{};
@@ -62,10 +65,20 @@ struct ProxyList::Names {
         known.addresses.clear();
     }
     const std::lock_guard lock(mutex);
-    looked = true;
+    ++rounds;
+    looked_at = Clock::now();
     wanted = false;
     changed.notify_all();
   }
+
+  /// With the lock.
+  bool know(std::string_view address) const {
+    return std::any_of(found.begin(), found.end(),
+                       [&](const auto& known) { return known.second.addresses.contains(address); });
+  }
+
+  /// With the lock. Strangers cannot have names looked up all the time.
+  bool rests() const { return Clock::now() - looked_at < rules.look_again_after; }
 
   void run() {
     std::unique_lock lock(mutex);
@@ -84,8 +97,10 @@ struct ProxyList::Names {
   std::mutex mutex;  ///< of what follows
   std::condition_variable changed;
   std::map<std::string, Found> found;
-  bool looked = false;  ///< once, at all
-  bool wanted = false;  ///< soon
+  int rounds = 0;                 ///< of looking at all names
+  int waiting = 0;                ///< requests, for the next round
+  Clock::time_point looked_at{};  ///< the end of the last round
+  bool wanted = false;            ///< soon
   bool stopping = false;
 };
 
@@ -108,7 +123,7 @@ ProxyList::ProxyList(const std::vector<std::string>& addresses_and_names, const 
   names_ = std::make_shared<Names>(std::move(names), rules);
   std::thread([names = names_] { names->run(); }).detach();
   std::unique_lock lock(names_->mutex);
-  names_->changed.wait_for(lock, rules.first_patience, [this] { return names_->looked; });
+  names_->changed.wait_for(lock, rules.first_patience, [this] { return names_->rounds > 0; });
 }
 
 // Without waiting for the thread: what asks a server of names that does not answer cannot be told to stop.
@@ -119,16 +134,21 @@ ProxyList::~ProxyList() {
   names_->changed.notify_all();
 }
 
-bool ProxyList::has(const std::string& address) {
+bool ProxyList::has(const std::string& address, bool speaks_as_one) {
+  constexpr int kWaitingMax = 8;  // more would leave no thread for others, where no server of names answers
   const std::string_view plain = without_mapping(address);
   if (addresses_.contains(plain)) return true;
   if (!names_) return false;
-  const std::lock_guard lock(names_->mutex);
-  for (const auto& [name, known] : names_->found)
-    if (known.addresses.contains(plain)) return true;
+  std::unique_lock lock(names_->mutex);
+  if (names_->know(plain)) return true;
   names_->wanted = true;
   names_->changed.notify_all();
-  return false;
+  if (!speaks_as_one || names_->rests() || names_->waiting >= kWaitingMax) return false;
+  ++names_->waiting;
+  names_->changed.wait_for(lock, names_->rules.patience,
+                           [&, before = names_->rounds] { return names_->rounds != before; });
+  --names_->waiting;
+  return names_->know(plain);
 }
 
 std::string canonical_address(const std::string& text) {

@@ -22,6 +22,7 @@ struct ProxyRules {
   std::chrono::milliseconds look_again_after{5'000};  ///< sooner, where a peer is none that is known
   std::chrono::milliseconds keep_for{600'000};        ///< what was found last, where nobody can say
   std::chrono::milliseconds first_patience{1'000};    ///< of the constructor, for the first answers
+  std::chrono::milliseconds patience{500};            ///< of a request that says it comes through a proxy
 };
 /// By the system's resolver.
 ProxyRules system_proxy_rules();
@@ -38,9 +39,10 @@ class ProxyList {
   ProxyList& operator=(const ProxyList&) = delete;
 
   /// `address`: as the system writes it; an IPv4 address may be written as one of IPv6 (::ffff:10.0.0.1), as
-  /// it is of peers of a socket for both. Answers from what is known, at once; where that is another address,
-  /// names are looked up again soon.
-  bool has(const std::string& address);
+  /// it is of peers of a socket for both. Where that is not known, names are looked up again soon. A peer
+  /// that speaks as a proxy does may be ours at a new address: that is waited for, briefly and by few at
+  /// once.
+  bool has(const std::string& address, bool speaks_as_one = false);
 
  private:
   struct Names;

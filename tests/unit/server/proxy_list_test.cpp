@@ -41,12 +41,13 @@ TEST(ProxyList, KnowsAnAddressOfIpv4AlsoAsASocketForBothWritesIt) {
 /// A server of names as the test wants it. Shared with the thread of a list, which may outlive that.
 struct NameServer {
   std::atomic<int> asked = 0;
-  std::atomic<bool> is_silent = false, is_down = false, second = false;
+  std::atomic<bool> is_silent = false, is_down = false, is_gone = false, second = false;
 
   std::optional<AddressSet> answer() {
     ++asked;
     while (is_silent) std::this_thread::sleep_for(1ms);
     if (is_down) return std::nullopt;
+    if (is_gone) return AddressSet{};
     return AddressSet{second ? "10.0.0.2" : "10.0.0.1"};
   }
 };
@@ -88,6 +89,26 @@ TEST_F(ProxyNames, OfAnotherAddressAreNoticedSoon) {
   server_->second = true;
   EXPECT_TRUE(soon([&] { return list.has("10.0.0.2"); }));
   EXPECT_FALSE(list.has("10.0.0.1"));
+}
+
+TEST_F(ProxyNames, ThatStandForNoMachineAnyMoreAreForgottenAtOnce) {
+  ProxyRules rules = this->rules();
+  rules.keep_for = 1h;
+  ProxyList list({"front"}, rules);
+  ASSERT_TRUE(list.has("10.0.0.1"));
+  server_->is_gone = true;
+  EXPECT_TRUE(soon([&] { return !list.has("10.0.0.1"); })) << "the address may be a stranger's by now";
+}
+
+TEST_F(ProxyNames, AreAskedForBeforeWhoSpeaksAsAProxyIsTakenForAStranger) {
+  ProxyRules rules = this->rules();
+  rules.look_every = 1h;
+  rules.look_again_after = 0ms;
+  rules.patience = 20s;
+  ProxyList list({"front"}, rules);
+  ASSERT_TRUE(list.has("10.0.0.1"));
+  server_->second = true;
+  EXPECT_TRUE(list.has("10.0.0.2", true)) << "at the first time";
 }
 
 TEST_F(ProxyNames, MakeNobodyWait) {
