@@ -1,9 +1,10 @@
 #include "server/commands.h"
-#include "server/text.h"
 
 #include <array>
 #include <cstdlib>
 #include <iostream>
+
+#include "server/text.h"
 
 namespace server {
 namespace {

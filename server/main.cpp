@@ -62,6 +62,7 @@ sigset_t block_stop_signals() {
 struct Running {
   HttpServer& http;
   HttpServer* ops;  ///< may be none
+  JobStore& store;
   JobService& jobs;
   EventHub& hub;
   Supervisor& supervisor;
@@ -93,6 +94,7 @@ int serve(const Running& running, const sigset_t& signals) {
   running.supervisor.stop();
   running.http.stop();
   if (running.ops) running.ops->stop();
+  (void)running.store.keep_uses();  // those of the last minute are no more than that
   // Everything is safe by now; a client that hangs is no reason to wait longer, nor a failure.
   const StopDeadline hanging(kHangingPatience, failed ? kExitFailed : 0);
   listener.join();
@@ -220,7 +222,7 @@ int run(const Config& config) {
   if (*ops_http)
     log_line("/healthz, /readyz and /metrics also on http://" + ops.host + ":" +
              std::to_string((*ops_http)->port()));
-  return serve({http, ops_http->get(), jobs, hub, supervisor}, signals);
+  return serve({http, ops_http->get(), **store, jobs, hub, supervisor}, signals);
 }
 
 int refuse_usage(const api::Error& error) {

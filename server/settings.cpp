@@ -1,5 +1,4 @@
 #include "server/settings.h"
-#include "server/text.h"
 
 #include <unistd.h>
 
@@ -9,6 +8,8 @@
 #include <map>
 #include <optional>
 #include <system_error>
+
+#include "server/text.h"
 
 namespace server {
 namespace {

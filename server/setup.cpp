@@ -21,12 +21,16 @@ RateRules rate_rules(const Config& config, std::string_view host) {
   return {per_second, 4 * per_second};
 }
 
+// Always said: a worker itself sees the machine's cores, not what a container may use of them.
+unsigned threads_per_job(const Config& config, const WorkerBudget& budget) {
+  return config.worker_threads > 0 ? config.worker_threads : static_cast<unsigned>(budget.cores);
+}
+
 }  // namespace
 
 JobRules job_rules(const Config& config, const Doorbell& bell) {
   CheckRules check;
   check.program = config.worker;
-  check.render_threads = config.worker_threads > 0 ? config.worker_threads : config.worker_threads_total;
   JobRules rules;
   rules.queued_of_one_owner_max = config.queued_per_owner_max;
   rules.bytes_max = config.stored_bytes_max;
@@ -35,6 +39,7 @@ JobRules job_rules(const Config& config, const Doorbell& bell) {
   if (config.ttl_days) rules.ttl_ms = *config.ttl_days * 24 * kHourMs;
   rules.blobs = {config.blob_bytes_max, config.blob_hours * kHourMs};
   rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
+  check.render_threads = threads_per_job(config, rules.budget);
   auto [check_job, preview_job] = make_checks(check);
   rules.check = std::move(check_job);
   rules.preview = std::move(preview_job);
@@ -46,7 +51,7 @@ JobRules job_rules(const Config& config, const Doorbell& bell) {
 ViewRules view_rules(const Config& config) {
   ViewRules rules;
   rules.program = config.worker;
-  rules.threads = config.worker_threads;
+  rules.threads = threads_per_job(config, make_budget(config.worker_threads_total, config.worker_memory_mb));
   rules.ffmpeg = find_ffmpeg();
   return rules;
 }
@@ -63,8 +68,7 @@ WorkerRules worker_rules(const Config& config) {
   WorkerRules rules;
   rules.program = config.worker;
   rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
-  rules.cores_per_job = config.worker_threads > 0 ? config.worker_threads : rules.budget.cores;
-  // Always said: a worker itself sees the machine's cores, not what the container may use of them.
+  rules.cores_per_job = threads_per_job(config, rules.budget);
   rules.render_options = {"--threads", std::to_string(rules.cores_per_job)};
   return rules;
 }

@@ -7,7 +7,7 @@
 namespace engine {
 namespace {
 
-/// ",0.123": the next csv_cell of a line.
+/// ",0.123": the next cell of a line.
 std::string csv_cell(double value) {
   char text[32];
   std::snprintf(text, sizeof text, ",%.6g", value);

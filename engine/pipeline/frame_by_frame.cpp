@@ -57,8 +57,8 @@ api::Result<FrameLight> light_frame(const LitScene& lit, const api::LightingOpti
 void save(const AloneLight& all, FrameIndex done, Checkpoints& checkpoints) {
   // One that fails costs time only if the run is killed.
   (void)checkpoints.save(kFrameByFrame, {part_of_checkpoint(done), part_of_checkpoint(all.counts),
-                                 part_of_checkpoint(all.radiosity_w_m2.values),
-                                 part_of_checkpoint(all.standard_error_w_m2.values)});
+                                         part_of_checkpoint(all.radiosity_w_m2.values),
+                                         part_of_checkpoint(all.standard_error_w_m2.values)});
 }
 
 /// Answers the number of frames that are done, which `all`, with room for them, then holds.

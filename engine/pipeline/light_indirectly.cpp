@@ -24,7 +24,7 @@ bool splits(const api::LightingOptions& options) {
 
 /// Takes `part`, columns from `skip` on, into the running mean of `count` replicates, at column `first`.
 void blend_window(const PatchSeries& part, std::uint32_t skip, std::uint32_t first, std::uint32_t count,
-           PatchSeries& mean) {
+                  PatchSeries& mean) {
   const float share = 1.0f / static_cast<float>(count);
   for_each_patch(part.patch_count, {}, [&](PatchId patch) {
     for (std::uint32_t k = skip; k < part.frame_count; ++k) {
@@ -179,7 +179,8 @@ class IndirectSolver {
     const auto solved = static_cast<std::uint32_t>(chosen_.solved.size());
     radiosity_.resize(std::max<std::size_t>(1, names_.size()), PatchSeries(lit_.patches.count(), solved));
     for (std::size_t n = 0; n < radiosity_.size(); ++n)
-      blend_window(window.radiosity_at_solved(names_.empty() ? nullptr : &names_[n]), skip, first, 1, radiosity_[n]);
+      blend_window(window.radiosity_at_solved(names_.empty() ? nullptr : &names_[n]), skip, first, 1,
+                   radiosity_[n]);
   }
 
   /// All light is interpolated over the whole sequence, and that of each name by itself.
@@ -216,7 +217,8 @@ class IndirectSolver {
 
   /// Takes the light of one window, columns from `skip` on, into the means, at column `first`.
   void accumulate(std::vector<PatchSeries> of_window, std::uint32_t skip, std::uint32_t first) {
-    for (std::size_t n = 0; n < names_.size(); ++n) blend_window(of_window[n], skip, first, done_ + 1, of_name_[n]);
+    for (std::size_t n = 0; n < names_.size(); ++n)
+      blend_window(of_window[n], skip, first, done_ + 1, of_name_[n]);
     for (std::size_t n = 1; n < of_window.size(); ++n) add(of_window[n], of_window[0]);
     mean_->add(std::move(of_window[0]), skip, first);
   }

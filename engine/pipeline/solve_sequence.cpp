@@ -72,7 +72,8 @@ void warn_of_empty_rows(const LitScene& lit, const EmptyRows& empty, std::uint32
 }
 
 /// What a user should know of a solution that is there but poor.
-void warn_of_solve(const LitScene& lit, const SolveCounts& counts, std::uint32_t replicates, api::JobReport& report) {
+void warn_of_solve(const LitScene& lit, const SolveCounts& counts, std::uint32_t replicates,
+                   api::JobReport& report) {
   if (!counts.converged)
     report.warnings.push_back("the light had not died down after " + std::to_string(counts.iterations) +
                               " bounces: reflectances near 1 make the result too dark");

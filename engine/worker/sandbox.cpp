@@ -80,8 +80,8 @@ bool lower(decltype(RLIMIT_CPU) resource, rlim_t most) {
 
 bool set_limits() {
   signal(SIGXFSZ, SIG_IGN);  // the write fails with EFBIG instead
-  return lower(RLIMIT_CORE, 0) && lower(RLIMIT_NOFILE, kOpenFilesMax) && lower(RLIMIT_FSIZE, kAnyFileBytesMax) &&
-         lower(RLIMIT_NPROC, kTasksMax);
+  return lower(RLIMIT_CORE, 0) && lower(RLIMIT_NOFILE, kOpenFilesMax) &&
+         lower(RLIMIT_FSIZE, kAnyFileBytesMax) && lower(RLIMIT_NPROC, kTasksMax);
 }
 
 /// A worker of root's keeps what lets it reach its job folder below somebody's closed home; which files it

@@ -45,6 +45,18 @@ api::Error bad(const ClaimedFile& file, std::string_view what) {
   return {api::Fault::invalid_request, std::string(file.kind) + " '" + file.path + "' " + std::string(what)};
 }
 
+/// What the disk itself says it cannot give back is damaged.
+api::Error not_read(int error_number) {
+  api::Error error = file_error("it cannot be read", error_number);
+  if (error_number == EIO || error_number == EUCLEAN || error_number == EBADMSG)
+    error.fault = api::Fault::invalid_request;
+  return error;
+}
+
+api::Error of_file(const ClaimedFile& file, const api::Error& why) {
+  return {why.fault, std::string(file.kind) + " '" + file.path + "': " + why.message};
+}
+
 /// One that is not there is bad. Of one that could not be looked at, for want of a descriptor or of the
 /// right to, nothing is known.
 api::Error not_opened(const ClaimedFile& file, const api::Error& why) {
@@ -83,7 +95,7 @@ api::Result<std::string> sha256_of(const FileHandle& file, const std::atomic<boo
     if (stopping) return api::Error{api::Fault::stopped, "stopped while a file was read"};
     const ssize_t count = ::pread(file.get(), piece->data(), piece->size(), offset);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return file_error("read", errno);
+    if (count < 0) return not_read(errno);
     if (count == 0) return hexadecimal(digest);
     EVP_DigestUpdate(digest.get(), piece->data(), static_cast<std::size_t>(count));
     offset += count;
@@ -121,7 +133,7 @@ api::Status verify_file(const std::filesystem::path& folder, const ClaimedFile& 
   const auto opened = open_of_size(folder, file);
   if (!opened) return opened.error();
   const auto hash = sha256_of(*opened, stopping);
-  if (!hash) return hash.error();
+  if (!hash) return of_file(file, hash.error());
   if (*hash != file.sha256) return bad(file, "has another SHA-256 than when it was made");
   return api::Done{};
 }

@@ -65,6 +65,13 @@ api::Result<FileHandle> lock(const std::filesystem::path& folder) {
   return handle;
 }
 
+bool is_still(const std::filesystem::path& folder, const FileHandle& opened) {
+  struct stat at_name {
+  }, held{};
+  return ::stat(folder.c_str(), &at_name) == 0 && ::fstat(opened.get(), &held) == 0 &&
+         at_name.st_dev == held.st_dev && at_name.st_ino == held.st_ino;
+}
+
 std::int64_t changed_ns(const struct stat& status) {
   return status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec;
 }
@@ -105,6 +112,7 @@ api::Result<TokenFolder::Room> TokenFolder::room_for_one_more() const {
     // Whoever held it before us may have given it the name; and what we have opened is that very folder.
     if (is_new && exists()) continue;
     if (!locked) return locked.error();
+    if (!is_still(folder, *locked)) continue;  // whoever held it has removed it
     std::error_code ignored;
     if (is_new)
       for (const auto& left : std::filesystem::directory_iterator(folder, ignored))

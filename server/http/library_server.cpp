@@ -149,6 +149,7 @@ bool LibraryServer::take_connections() {
     const int socket = ::accept4(listening, nullptr, nullptr, SOCK_CLOEXEC);
     if (socket >= 0) {
       let_in(socket);
+      told = false;
       continue;
     }
     const AcceptTrouble trouble = accept_trouble(errno);

@@ -15,6 +15,9 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
+/// Longer than a worker is waited for: a check that hangs that long has an answer.
+constexpr std::chrono::seconds kCheckTimeMax{10};
+
 /// The result of a check that strangers may ask for, asked for itself now and then only, by one of them; the
 /// others do not wait for a check that takes long.
 class Remembered {
@@ -25,11 +28,14 @@ class Remembered {
   /// Is all well? What is wrong is logged once.
   bool ask() {
     std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock && answered_) return well_;
+    if (!lock && answered_) return well_ && !hangs();
     if (!lock) lock.lock();  // there is no answer yet
     const auto now = SteadyClock::now();
     if (!asked_ || now - *asked_ >= every_) {
+      begun_at_ = now;
+      checking_ = true;
       const api::Status status = check_();
+      checking_ = false;
       const std::string trouble = status ? "" : status.error().message;
       if (!trouble.empty() && trouble != trouble_) log_event("not ready", {{"why", trouble}});
       trouble_ = trouble;
@@ -41,13 +47,17 @@ class Remembered {
   }
 
  private:
+  bool hangs() const { return checking_ && SteadyClock::now() - begun_at_.load() >= kCheckTimeMax; }
+
   const std::function<api::Status()> check_;
   const std::chrono::seconds every_;
   std::mutex mutex_;  ///< of what follows
   std::optional<SteadyClock::time_point> asked_;
   std::string trouble_;
-  std::atomic<bool> answered_ = false;  ///< and these two without it
+  std::atomic<bool> answered_ = false;  ///< and these without it
   std::atomic<bool> well_ = false;
+  std::atomic<bool> checking_ = false;
+  std::atomic<SteadyClock::time_point> begun_at_{};
 };
 
 struct Readiness {

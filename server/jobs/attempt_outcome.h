@@ -26,6 +26,7 @@ struct AttemptOutcome {
   std::string message;  ///< for people: signal or exit code
   AttemptEnd end;
   std::string log_tail;  ///< the last of what the worker wrote
+  int looks_left = 5;    ///< at its files, where we fail to read them for reasons of our own
 };
 
 }  // namespace server

@@ -18,7 +18,8 @@ api::Status JobStore::keep_blob(std::string_view owner, std::string_view sha256,
 
 api::Result<std::int64_t> JobStore::forget_blobs(std::int64_t before_ms) {
   const std::lock_guard lock(mutex_);
-  (void)keep_uses_locked();  // where nothing can be written nothing is forgotten either
+  // What is not kept would be forgotten: room for a row less there may be where there is none for these.
+  if (const api::Status kept = keep_uses_locked(); !kept) return kept.error();
   const std::int64_t now = clock_();
   // The wall clock may have jumped: nothing was used later than now.
   Statement mend = database_.prepare("UPDATE blob SET used_ms = ? WHERE used_ms > ?");

@@ -194,8 +194,7 @@ void explain(KilledFor why, AttemptOutcome& outcome) {
   } else if (why == KilledFor::perhaps) {
     outcome.message =
         "the worker was killed by SIGKILL together with others, of which the kernel killed some, not all, "
-        "for want "
-        "of memory; which of them is not known";
+        "for want of memory; which of them is not known";
   }
 }
 

@@ -25,7 +25,7 @@ class MemoryKills {
   /// count: of all kills in the group so far, as out_of_memory_kills().
   explicit MemoryKills(std::function<std::int64_t()> count = [] { return out_of_memory_kills(); });
 
-  /// To be called often: a kill is put down to deaths that are seen within two seconds, and to none after
+  /// To be called often, after the dead of that time were judged: a kill is put down to deaths that are seen within two seconds, and to none after
   /// them. It was of a process that is none of the workers.
   void look(Clock::time_point now = Clock::now());
 

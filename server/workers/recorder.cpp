@@ -118,9 +118,10 @@ bool Recorder::take_up(const Orphan& orphan) {
   return true;
 }
 
-bool Recorder::record(const EndedAttempt& ended) {
+bool Recorder::record(EndedAttempt& ended) {
   const api::Status recorded = jobs_.end_attempt(ended.lease, ended.outcome, aborted_);
   if (!recorded && recorded.error().fault != api::Fault::wrong_state) {
+    --ended.outcome.looks_left;
     complain(ended.id + " cannot record the end of an attempt yet: " + recorded.error().message);
     return false;
   }

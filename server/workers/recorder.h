@@ -57,8 +57,8 @@ class Recorder {
   void record_or_keep(EndedAttempt ended);
   void catch_up();
   void collect_garbage();
-  bool take_up(const Orphan& orphan);      ///< false: must be tried again
-  bool record(const EndedAttempt& ended);  ///< false: must be tried again
+  bool take_up(const Orphan& orphan);  ///< false: must be tried again
+  bool record(EndedAttempt& ended);    ///< false: must be tried again
   void complain(const std::string& trouble);
 
   JobService& jobs_;

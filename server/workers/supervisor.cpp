@@ -110,7 +110,6 @@ void Supervisor::wait() {
 
 void Supervisor::look_at_all() {
   for (const auto& attempt : running_) attempt->look(stopping_, rung_);
-  memory_kills_.look();
   const auto has_ended = [](const std::unique_ptr<RunningAttempt>& attempt) { return attempt->has_ended(); };
   const auto first_ended = std::stable_partition(running_.begin(), running_.end(), std::not_fn(has_ended));
   std::vector<EndedAttempt> ended;
@@ -120,6 +119,8 @@ void Supervisor::look_at_all() {
   }
   running_.erase(first_ended, running_.end());
   explain_kills(ended);
+  memory_kills_
+      .look();  // after that: however long the attempts were looked at, a kill is not too old for them
   for (EndedAttempt& each : ended)
     recorder_.add({each.attempt->claim().job.id, each.attempt->claim().lease, std::move(each.outcome)});
   if (!ended.empty()) jobs_.set_use(use());

@@ -79,7 +79,7 @@ test("the job that is submitted is watched until it is done", async () => {
     assert.ok(seen.length < 2400, "the page says that the job is done");
     await page.waitForTimeout(50);
   }
-  console.log(JSON.stringify(seen)); const between = new Set(seen.filter((value) => value > 0 && value < 100));
+  const between = new Set(seen.filter((value) => value > 0 && value < 100));
   assert.ok(between.size >= 3, `progress was seen on the way: ${[...between]}`);
   assert.deepEqual(seen, seen.slice().sort((a, b) => a - b), "progress goes on");
   await untilState(given.service, id, "succeeded", 1);

@@ -26,7 +26,7 @@ class ForecastMemory(unittest.TestCase):
             job = write_job(Path(folder) / "input", example=example, **options)
             if formats:
                 changed(job, lambda whole: [image.update(formats=formats) for image in whole["images"]])
-            run = subprocess.run([WORKER, "render", folder], capture_output=True, text=True, stdin=subprocess.DEVNULL)
+            run = subprocess.run([WORKER, "render", folder, "--threads", "2"], capture_output=True, text=True, stdin=subprocess.DEVNULL)
             self.assertEqual(run.returncode, 0, run.stderr)
             return json.loads((Path(folder) / "report.json").read_text())
 

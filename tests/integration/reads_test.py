@@ -98,6 +98,7 @@ class Reads(ServiceTestCase):
             lines = []
             while "data:" not in "".join(lines):
                 lines.append(answer.readline().decode())
+                self.assertNotEqual(lines[-1], "", "the stream ended")
             return "".join(lines)
 
     def questions(self):
