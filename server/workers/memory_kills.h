@@ -25,8 +25,8 @@ class MemoryKills {
   /// count: of all kills in the group so far, as out_of_memory_kills().
   explicit MemoryKills(std::function<std::int64_t()> count = [] { return out_of_memory_kills(); });
 
-  /// To be called often, after the dead of that time were judged: a kill is put down to deaths that are seen within two seconds, and to none after
-  /// them. It was of a process that is none of the workers.
+  /// To be called often, after the dead of that time were judged: a kill is put down to deaths that are seen
+  /// within two seconds, and to none after them. It was of a process that is none of the workers.
   void look(Clock::time_point now = Clock::now());
 
   /// Of workers that were seen dead together. peak_bytes: the most each was resident with;

@@ -6,11 +6,14 @@
 #include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <thread>
 
@@ -134,6 +137,19 @@ std::string drained(int pipe) {
   return all;
 }
 
+/// Does a thread of it stand in a write to standard error?
+bool is_writing_errors(pid_t process) {
+  const std::string writing = std::to_string(SYS_write) + " 0x2 ";
+  std::error_code gone;
+  for (const auto& thread :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", gone)) {
+    std::string call;
+    std::getline(std::ifstream(thread.path() / "syscall"), call);
+    if (call.starts_with(writing)) return true;
+  }
+  return false;
+}
+
 // The work ends in time, and then saying so takes beyond the deadline: nobody reads standard error.
 TEST_F(WorkerLife, TheThreadThatConcludesHasTheLastWordAlsoWhereItTakesLong) {
   for (const char* command : {"render", "check"}) {
@@ -151,7 +167,8 @@ TEST_F(WorkerLife, TheThreadThatConcludesHasTheLastWordAlsoWhereItTakesLong) {
     }
     fcntl(errors[1], F_SETFL, 0);
     folder_.write("input/now", "");
-    std::this_thread::sleep_for(200ms);
+    for (int i = 0; i < 2000 && !is_writing_errors(worker); ++i) std::this_thread::sleep_for(5ms);
+    ASSERT_TRUE(is_writing_errors(worker)) << command;
     kill(worker, SIGTERM);
     std::this_thread::sleep_for(1300ms);  // the deadline is over
     close(errors[1]);
