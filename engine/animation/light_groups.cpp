@@ -16,7 +16,7 @@ using Curve = std::array<std::vector<double>, 3>;
 constexpr std::array<float Rgb::*, 3> kChannels{&Rgb::r, &Rgb::g, &Rgb::b};
 
 /// A material or a source that emits in some frame.
-struct Light {
+struct GroupedLight {
   std::string_view name;
   bool is_source = false;
   std::size_t index = 0;  ///< of the material or the source
@@ -36,8 +36,8 @@ Rgb peak_of(const std::vector<Rgb>& series) {
 }
 
 /// In order of name; a material before a source of the same name.
-std::vector<Light> lights_of(const Scene& scene, const Emission& emission) {
-  std::vector<Light> lights;
+std::vector<GroupedLight> lights_of(const Scene& scene, const Emission& emission) {
+  std::vector<GroupedLight> lights;
   const auto add = [&](std::string_view name, bool is_source, std::size_t index, const auto& series) {
     const Rgb peak = peak_of(series);
     if (max_channel(peak) > 0) lights.push_back({name, is_source, index, &series, peak});
@@ -47,11 +47,11 @@ std::vector<Light> lights_of(const Scene& scene, const Emission& emission) {
   for (std::size_t s = 0; s < emission.sources.size(); ++s)
     add(emission.sources[s].name, true, s, emission.sources[s].intensity);
   std::stable_sort(lights.begin(), lights.end(),
-                   [](const Light& a, const Light& b) { return a.name < b.name; });
+                   [](const GroupedLight& a, const GroupedLight& b) { return a.name < b.name; });
   return lights;
 }
 
-Curve curve_of(const Light& light) {
+Curve curve_of(const GroupedLight& light) {
   Curve curve;
   for (std::size_t c = 0; c < curve.size(); ++c) {
     const double peak = light.peak.*kChannels[c];
@@ -100,7 +100,7 @@ Emission dark(const Emission& emission) {
 }
 
 /// Lets `light` of `all` emit `series`.
-void give(const Light& light, const Emission& all, std::vector<Rgb> series, Emission& emission) {
+void give(const GroupedLight& light, const Emission& all, std::vector<Rgb> series, Emission& emission) {
   if (!light.is_source) {
     emission.exitance_w_m2[light.index] = std::move(series);
     return;
@@ -116,12 +116,12 @@ class GroupOfJob {
       : name_(name), animation_(animation), steady_(empty()) {}
 
   /// `curves_left`: how many more curves may be factored out of the whole scene.
-  void add(const Light& light, std::size_t& curves_left);
+  void add(const GroupedLight& light, std::size_t& curves_left);
   void move_to(std::vector<LightGroup>& groups);
 
  private:
   LightGroup empty() const { return {std::string(name_), dark(animation_.emission), {Rgb{1, 1, 1}}}; }
-  void add_as_it_is(const Light& light) {
+  void add_as_it_is(const GroupedLight& light) {
     give(light, animation_.emission, *light.series, steady_.emission);
     has_steady_ = true;
   }
@@ -134,7 +134,7 @@ class GroupOfJob {
   std::vector<Curve> curves_;  ///< of scaled_
 };
 
-void GroupOfJob::add(const Light& light, std::size_t& curves_left) {
+void GroupOfJob::add(const GroupedLight& light, std::size_t& curves_left) {
   if (light.is_steady()) return add_as_it_is(light);
   const Curve curve = curve_of(light);
   auto known =
@@ -168,8 +168,8 @@ std::vector<LightGroup> light_groups(const Scene& scene, const Animation& animat
 
   std::map<std::string_view, GroupOfJob> of_job;
   std::size_t curves_left = curves_max;
-  const std::vector<Light> lights = lights_of(scene, animation.emission);
-  for (const Light& light : lights) {
+  const std::vector<GroupedLight> lights = lights_of(scene, animation.emission);
+  for (const GroupedLight& light : lights) {
     const auto group = group_of.find(light.name);
     const std::string_view name = group == group_of.end() ? std::string_view{} : group->second;
     of_job.try_emplace(name, name, animation).first->second.add(light, curves_left);

@@ -9,7 +9,7 @@ namespace engine {
 namespace {
 
 /// Grows by points.
-struct Box {
+struct SceneBox {
   Vec3 low{std::numeric_limits<float>::max(), std::numeric_limits<float>::max(),
            std::numeric_limits<float>::max()};
   Vec3 high = -low;
@@ -93,7 +93,7 @@ PatchWeights patch_weights(const BenchScene& scene) {
 
 SceneNumbers scene_numbers(const BenchScene& scene) {
   SceneNumbers numbers;
-  Box all, motion;
+  SceneBox all, motion;
   for (const Polygon& polygon : scene.scene.polygons) {
     const ObjectMotion& object = scene.animation.objects[polygon.object];
     const bool moves = !object.is_static(scene.animation.frame_count);

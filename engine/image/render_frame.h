@@ -54,10 +54,10 @@ struct ShadedRows {
   std::function<void(std::uint32_t y, std::span<const float> radiance)> take_row;
 };
 
-/// Up to kLanes frames, lane k of `shaded` that of views[k]: radiance B / pi, box-filtered over each pixel;
-/// black where a ray meets nothing or the back of a one-sided facet. Pixels that nothing moving covers are
-/// taken from `static_view` (of every frame's camera, and of `samples_per_pixel`), unless it is null. Rows
-/// run in parallel. False when stopped.
+/// Up to kFrameLanes frames, lane k of `shaded` that of views[k]: radiance B / pi, box-filtered over each
+/// pixel; black where a ray meets nothing or the back of a one-sided facet. Pixels that nothing moving covers
+/// are taken from `static_view` (of every frame's camera, and of `samples_per_pixel`), unless it is null.
+/// Rows run in parallel. False when stopped.
 bool render_frames(const ShadedScene& stage, std::span<const FrameView> views, const StaticView* static_view,
                    std::span<const ShadedRows> shaded, std::uint32_t samples_per_pixel,
                    const std::function<bool()>& stop_requested);

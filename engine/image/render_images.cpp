@@ -24,11 +24,6 @@
 namespace engine {
 namespace {
 
-constexpr std::size_t kStaticViewBytesMax = 256u << 20;
-/// Images and node values that are alive at the same time.
-constexpr std::size_t kBlockBytesMax = 256u << 20;
-constexpr std::uint32_t kBlockFramesMax = 32;
-
 bool stands_still(const std::vector<CameraPose>& poses) {
   return std::all_of(poses.begin(), poses.end(), [&](const CameraPose& pose) {
     return pose.position == poses[0].position && pose.target == poses[0].target && pose.up == poses[0].up &&
@@ -81,7 +76,7 @@ LaneValues unlimited_lanes(std::span<const NodeValues> frames) {
   return gather_lanes(frames, [](std::size_t) { return std::numeric_limits<float>::infinity(); });
 }
 
-/// Some frames that are rendered together, at most kLanes.
+/// Some frames that are rendered together, at most kFrameLanes.
 struct Group {
   std::vector<FrameIndex> frames;
   std::vector<NodeValues> node_values_w_m2;  ///< [frame of the group]
@@ -164,7 +159,7 @@ std::vector<Group> groups_of(std::span<const FrameIndex> frames, std::span<const
   for (std::size_t k = 0; k < values.size(); ++k) {
     const FrameIndex frame = frames[k];
     if (finished[k]) continue;
-    if (groups.empty() || groups.back().frames.size() == kLanes) groups.emplace_back();
+    if (groups.empty() || groups.back().frames.size() == kFrameLanes) groups.emplace_back();
     groups.back().frames.push_back(frame);
     groups.back().node_values_w_m2.push_back(values[k]);
   }
@@ -190,7 +185,8 @@ std::uint32_t block_frames(const Sequence& sequence) {
   const std::size_t irradiance = sequence.stage.textures ? sequence.stage.patches.count() : 0;
   const std::size_t values = sequence.stage.mesh.node_count + irradiance;  // once more for each kind of file
   const std::size_t bytes = sizeof(Rgb) * (2 * pixels + 3 * values);
-  return static_cast<std::uint32_t>(std::clamp<std::size_t>(kBlockBytesMax / bytes, 1, kBlockFramesMax));
+  return static_cast<std::uint32_t>(
+      std::clamp<std::size_t>(kImageBlockBytesMax / bytes, 1, kImageBlockFramesMax));
 }
 
 /// Which of `frames` have all their files.

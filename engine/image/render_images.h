@@ -16,6 +16,12 @@
 
 namespace engine {
 
+/// Images and node values that are alive at the same time.
+inline constexpr std::size_t kImageBlockBytesMax = 256u << 20;
+inline constexpr std::uint32_t kImageBlockFramesMax = 32;
+/// What a camera at rest sees of things at rest, kept for all frames.
+inline constexpr std::size_t kStaticViewBytesMax = 256u << 20;
+
 /// Which part of a sequence is rendered.
 struct ImageWork {
   std::vector<FrameIndex> frames = {};  ///< rising; column k of the radiosity is frames[k]. Empty: all

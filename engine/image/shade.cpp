@@ -23,7 +23,7 @@ struct Blends {
   const std::size_t stride = std::size_t{3} * lanes;
   std::uint32_t plain = 0, tinted = 0;
   for (std::size_t x = 0; x < blends.pixels; ++x, out += stride) {
-    float sum[3 * kLanes] = {};
+    float sum[3 * kFrameLanes] = {};
     for (; plain < blends.plain_end[x]; ++plain) {
       const NodeWeight part = blends.plain[plain];
       const float* const value = values + stride * part.node;
@@ -43,8 +43,8 @@ struct Blends {
 }
 
 KEYLUME_WIDEST void shade_lanes(const Blends& blends, const float* values, std::uint32_t lanes, float* out) {
-  if (lanes == kLanes)
-    shade(blends, values, kLanes, out);
+  if (lanes == kFrameLanes)
+    shade(blends, values, kFrameLanes, out);
   else
     shade(blends, values, lanes, out);
 }

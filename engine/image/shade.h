@@ -26,13 +26,13 @@ struct PixelRow {
 
 /// Frames that are shaded together at most. A blend is read once for all of them, and their values lie side
 /// by side: a frame is a lane.
-inline constexpr std::uint32_t kLanes = 8;
+inline constexpr std::uint32_t kFrameLanes = 8;
 
 /// Radiosity of every node of the mesh in one frame, see node_radiosity(); with textures see
 /// textured_node_values().  [W/m^2]
 using NodeValues = std::span<const Rgb>;
 
-/// Node values of 1 .. kLanes frames, in as many lanes or the next power of two.
+/// Node values of 1 .. kFrameLanes frames, in as many lanes or the next power of two.
 struct LaneValues {
   std::uint32_t frame_count = 0, lanes = 0;
   std::vector<float> values;  ///< [node][channel][lane]; 0 in lanes without a frame  [W/m^2]

@@ -95,10 +95,10 @@ bool is_affordable(const Triangle& t) {
 
 /// The columns [first, end) that a convex strip, the part of a polygon in row `row`, covers whole: between
 /// what is left of it at the row's upper edge and at its lower one.
-struct Columns {
+struct ColumnRange {
   std::int64_t first = 0, end = 0;
 };
-Columns whole_columns(const Convex& strip, std::int64_t row) {
+ColumnRange whole_columns(const Convex& strip, std::int64_t row) {
   Range upper, lower;
   for (std::uint32_t k = 0; k < strip.count; ++k) {
     const Point& p = strip.points[k];
@@ -106,9 +106,9 @@ Columns whole_columns(const Convex& strip, std::int64_t row) {
     if (p.y == double(row + 1)) lower = {std::min(lower.low, p.x), std::max(lower.high, p.x)};
   }
   if (upper.low > upper.high || lower.low > lower.high) return {};
-  const Columns columns{static_cast<std::int64_t>(std::ceil(std::max(upper.low, lower.low))),
-                        static_cast<std::int64_t>(std::floor(std::min(upper.high, lower.high)))};
-  return columns.first < columns.end ? columns : Columns{};
+  const ColumnRange columns{static_cast<std::int64_t>(std::ceil(std::max(upper.low, lower.low))),
+                            static_cast<std::int64_t>(std::floor(std::min(upper.high, lower.high)))};
+  return columns.first < columns.end ? columns : ColumnRange{};
 }
 
 /// Adds the texels of row `row`, of which the triangle covers `strip`.
@@ -116,7 +116,7 @@ void add_row(const TexturePyramid& texture, std::uint32_t level, const Convex& s
              Sum& sum) {
   const std::uint32_t y = wrapped(row, texture.height(level)), width = texture.width(level);
   const Range columns = range_of<&Point::x>(strip.points, strip.count);
-  const Columns whole = whole_columns(strip, row);
+  const ColumnRange whole = whole_columns(strip, row);
   const auto last = static_cast<std::int64_t>(std::ceil(columns.high));
   const auto area_before = [&](std::int64_t x) {
     return x >= last ? area(strip) : area(clipped<&Point::x>(strip, double(x), 1));

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct Box {
+struct PosedBox {
   std::array<double, 3> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
 
   bool is_empty() const { return low[0] > high[0]; }
@@ -26,7 +26,7 @@ struct Box {
       high[k] = std::max(high[k], p[k]);
     }
   }
-  void join(const Box& other) {
+  void join(const PosedBox& other) {
     if (other.is_empty()) return;
     add(other.low);
     add(other.high);
@@ -38,7 +38,7 @@ struct Box {
 
 /// What an object is like before its poses.
 struct Shape {
-  Box box;
+  PosedBox box;
   double shortest_edge_m = kInfinity;
 };
 
@@ -60,7 +60,7 @@ std::vector<Shape> shapes_of(const Scene& scene) {
 }
 
 /// Grows `box` by the corners of `shape` in `pose`; the largest coordinate, infinite where one is no number.
-double place_box(const Box& shape, const Pose& pose, Box& box) {
+double place_box(const PosedBox& shape, const Pose& pose, PosedBox& box) {
   double reach = 0;
   for (int c = 0; c < 8; ++c) {
     const std::array<double, 3> p{c & 1 ? shape.high[0] : shape.low[0], c & 2 ? shape.high[1] : shape.low[1],
@@ -96,7 +96,7 @@ api::Violation too_far(const char* section, const std::string& name, FrameIndex 
 
 /// All frames of all objects, gathered one object after the other.
 struct Survey {
-  Box everything, static_things;
+  PosedBox everything, static_things;
   double worst_rounding = 0;  ///< step of a float relative to an edge
   std::string worst_object;
   std::vector<api::Violation> violations;
@@ -105,7 +105,7 @@ struct Survey {
 void survey_object(const Shape& shape, const std::string& name, const ObjectMotion& motion,
                    FrameIndex frame_count, Survey& survey) {
   double reach = 0, scale = kInfinity;
-  Box box;
+  PosedBox box;
   for (const PoseSpan& span : motion.spans) {
     const double reached = place_box(shape.box, span.pose, box);
     if (reached > kCoordinateMax) {

@@ -5,7 +5,10 @@
 #include <cmath>
 
 #include "engine/estimate/estimate_lighting.h"
+#include "engine/image/render_images.h"
+#include "engine/image/shade.h"
 #include "engine/pipeline/forecast.h"
+#include "engine/visibility/occluders.h"
 #include "engine/visibility/ray_scene.h"
 
 namespace engine {
@@ -47,7 +50,7 @@ double solved_of(const JobSize& n, double frames) {
 /// Facets that move are placed once for each pose: in the tree of their rays, in that of lines, and as they
 /// are packed for the shafts of shadows, of which every thread lists those that it meets.
 double moving_bytes(const JobSize& n, double frames) {
-  constexpr double kListedMax = 8192;  // as MovingOccluders has it
+  constexpr double kListedMax = MovingOccluders::kOfAllMax;
   constexpr double kInTrees = 240, kPacked = 200, kListed = 110;
   const double poses = n.moving_facets * frames;
   const double packed = n.moving_facets <= kListedMax ? kPacked + kListed * n.threads : 0;
@@ -186,26 +189,24 @@ double nodes_of(const JobSize& n) {
 }
 
 /// One camera's pictures, as render_images() has them: a block of frames has the values of its nodes, its
-/// groups of kLanes frames are rendered side by side, and what a camera at rest sees of things at rest is
-/// kept.
+/// groups of kFrameLanes frames are rendered side by side, and what a camera at rest sees of things at rest
+/// is kept.
 double picture_bytes(const JobSize& n, const PictureSize& picture) {
-  constexpr double kBlockBytesMax = 256 << 20, kBlockFramesMax = 32, kLanes = 8,
-                   kStaticViewBytesMax = 256 << 20;
   const double nodes = nodes_of(n) + (n.texture_pixels > 0 ? n.patches : 0);
   const double per_frame = sizeof(Rgb) * (2 * picture.pixels + 3 * nodes);
-  const double block =
-      std::min(n.frames, std::clamp(std::floor(kBlockBytesMax / per_frame), 1.0, kBlockFramesMax));
+  const double block = std::min(
+      n.frames, std::clamp(std::floor(kImageBlockBytesMax / per_frame), 1.0, double{kImageBlockFramesMax}));
   const double kinds = (picture.png_or_jpg ? 1 : 0) + (picture.exr ? 1 : 0);
-  const double at_work = std::min(block, kLanes * n.threads);  // frames
+  const double at_work = std::min(block, kFrameLanes * n.threads);  // frames
   const double values = sizeof(Rgb) * nodes * (2 * block + kinds * at_work);
   const double shown =
       picture.pixels * at_work * ((picture.png_or_jpg ? 3.0 : 0) + (picture.exr ? double{sizeof(Rgb)} : 0));
   // Filtered and packed, of one frame for each thread; EXR as half floats, and as it is packed.
   const double encoded = picture.pixels * n.threads * (picture.exr ? 18 : 6);
-  const double rows = n.threads * kinds * 3 * kLanes * sizeof(float) * picture.width;
+  const double rows = n.threads * kinds * 3 * kFrameLanes * sizeof(float) * picture.width;
   // Four nodes, their end, and a distance for each sample; rows grow by doubling, and leave gaps.
   const double seen = 1.1 * picture.pixels * (4 * 8 + 8 + 4 * picture.samples_per_pixel);
-  const double at_rest = picture.camera_rests ? std::min(seen, kStaticViewBytesMax) : 0;
+  const double at_rest = picture.camera_rests ? std::min(seen, double{kStaticViewBytesMax}) : 0;
   const double moving = 300 * n.moving_facets * at_work;
   return values + shown + encoded + rows + at_rest + moving;
 }

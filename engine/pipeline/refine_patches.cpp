@@ -27,7 +27,7 @@ constexpr std::uint64_t kLitBytesMax = std::uint64_t{512} << 20;
 constexpr double kChildSafety = 2;
 
 /// A cell that could be quartered.
-struct Candidate {
+struct Refinable {
   std::uint32_t facet = 0, grid_cell = 0;
   Leaf leaf;
   double area_m2 = 0;                 ///< of one side
@@ -43,7 +43,7 @@ std::uint32_t level_of(Leaf leaf) {
 }
 
 /// Sets the bits that quarter the candidate and all that it is a quarter of.
-void quarter(const Candidate& candidate, Patches& patches) {
+void quarter(const Refinable& candidate, Patches& patches) {
   std::uint64_t& starts = patches.facets[candidate.facet].trees[candidate.grid_cell].leaf_starts;
   for (std::uint32_t slots = kCellTreeSlots; slots >= candidate.leaf.slots; slots /= 4)
     starts |= quartered(Leaf{candidate.leaf.first / slots * slots, slots});
@@ -82,7 +82,7 @@ class SpreadMeter {
 
   /// Adds the frames of `lit` to a candidate; `first`: the first of its quarters, on one side.
   void add(const Patches& patches, PatchId first, std::span<const FrameIndex> frames, const DirectLight& lit,
-           std::span<const float> open, Candidate& candidate) const {
+           std::span<const float> open, Refinable& candidate) const {
     const std::uint32_t material = patches.facets[candidate.facet].material;
     const double new_patches = 3.0 * (patches.facets[candidate.facet].both_sides ? 2 : 1);
     candidate.area_m2 = 4.0 * patches.area_m2[first];
@@ -170,7 +170,7 @@ class Refiner {
   std::vector<std::uint32_t> next_candidates(std::uint32_t level, double cutoff) {
     std::vector<std::uint32_t> next;
     for (std::uint32_t c = 0; c < candidates_.size(); ++c) {
-      const Candidate parent = candidates_[c];
+      const Refinable parent = candidates_[c];
       if (!parent.quartered || level_of(parent.leaf) != level) continue;
       if (!may_be_quartered(parent.facet, level + 1) || parent.worth / 4 * kChildSafety < cutoff) continue;
       const std::uint32_t slots = parent.leaf.slots / 4;
@@ -232,7 +232,7 @@ class Refiner {
     constexpr std::size_t kChunk = 256;
     parallel_for((now.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
       for (std::size_t k = chunk * kChunk; k < std::min(now.size(), (chunk + 1) * kChunk); ++k) {
-        Candidate& candidate = candidates_[now[k]];
+        Refinable& candidate = candidates_[now[k]];
         const Facet& facet = trial.facets[candidate.facet];
         const PatchId first =
             facet.first_patch + facet.trees[candidate.grid_cell].leaf_at(candidate.leaf.first);
@@ -244,7 +244,7 @@ class Refiner {
 
   /// Is a cell to be quartered, however many patches there may be? Not by its spread alone: what counts in
   /// the whole is spread^2 x area, so large cells are for less.
-  bool is_uneven(const Candidate& candidate) const {
+  bool is_uneven(const Refinable& candidate) const {
     const double edge_m = lighting_.patch_edge_m;
     return candidate.spread * candidate.spread * candidate.area_m2 > kSpread * kSpread * edge_m * edge_m;
   }
@@ -264,12 +264,12 @@ class Refiner {
       if (level_of(candidates_[c].leaf) == 0) offer(c);
     }
     for (std::uint64_t count = coarse_.count(); !queue.empty();) {
-      Candidate& best = candidates_[queue.top()];
+      Refinable& best = candidates_[queue.top()];
       queue.pop();
       count += coarse_.facets[best.facet].both_sides ? 6 : 3;
       if (count > patch_count_max) return best.worth;
       best.quartered = true;
-      for (std::uint32_t q = 0; q < 4 && best.first_child != Candidate::kNone; ++q)
+      for (std::uint32_t q = 0; q < 4 && best.first_child != Refinable::kNone; ++q)
         offer(best.first_child + q);
     }
     return 0;
@@ -279,7 +279,7 @@ class Refiner {
   Patches graded(std::uint64_t most) {
     Patches patches = with_trees(coarse_);
     (void)choose(most);
-    for (const Candidate& candidate : candidates_)
+    for (const Refinable& candidate : candidates_)
       if (candidate.quartered) quarter(candidate, patches);
     parallel_for(patches.facets.size(), [&](std::size_t f) { grade(patches.facets[f]); });
     number_patches(patches);
@@ -313,7 +313,7 @@ class Refiner {
   SpreadMeter meter_;
   const Progress& progress_;
   std::vector<FrameIndex> frames_;
-  std::vector<Candidate> candidates_;
+  std::vector<Refinable> candidates_;
   std::uint64_t shadow_rays_ = 0;
 };
 

@@ -107,6 +107,10 @@ class StaticOccluders {
 /// The facets that move, at every pose they take in the slots of one window.
 class MovingOccluders {
  public:
+  /// Facets of an object: beyond these its tree wins. Of all that moves: bounds the memory, some 200 bytes
+  /// per facet and pose.
+  static constexpr std::size_t kOfObjectMax = 1024, kOfAllMax = 8192;
+
   MovingOccluders(const Patches& patches, const Animation& animation, std::span<const FrameIndex> frames);
 
   /// Lists those that may meet the shaft in some slot of [first_slot, last_slot], or says in which slots
@@ -140,10 +144,6 @@ class MovingOccluders {
   template <class Use>
   void collect_by(const Shaft& shaft, std::uint32_t first_slot, std::uint32_t last_slot, SlotMask& many,
                   Use&& use) const;
-
-  /// Facets of an object: beyond these its tree wins. Of all that moves: bounds the memory, some 200 bytes
-  /// per facet and pose.
-  static constexpr std::size_t kOfObjectMax = 1024, kOfAllMax = 8192;
 
   std::size_t moving_facets_ = 0;  ///< of all objects, each once
   std::vector<Occluder> facets_;   ///< sixteen to a block, the last one of an object filled up

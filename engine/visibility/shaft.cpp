@@ -133,32 +133,32 @@ Box Shaft::box_of_end() const {
 
 KEYLUME_WIDEST
 std::uint32_t Shaft::may_meet(const FacetLanes& facets, std::uint32_t& entered) const {
-  constexpr std::size_t kLanes = FacetLanes::kCount;
-  std::array<std::array<float, kLanes>, 4> x, y, z;
+  constexpr std::size_t kFacetLanes = FacetLanes::kCount;
+  std::array<std::array<float, kFacetLanes>, 4> x, y, z;
   for (std::size_t c = 0; c < 4; ++c)
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t k = 0; k < kFacetLanes; ++k) {
       x[c][k] = facets.x[c][k] - middle_.x;
       y[c][k] = facets.y[c][k] - middle_.y;
       z[c][k] = facets.z[c][k] - middle_.z;
     }
-  std::array<std::array<float, kLanes>, 2> lowest, highest;  // of either end over the plane of the facet
+  std::array<std::array<float, kFacetLanes>, 2> lowest, highest;  // of either end over the plane of the facet
   for (std::size_t e = 0; e < 2; ++e) {
     lowest[e].fill(std::numeric_limits<float>::infinity());
     highest[e].fill(-std::numeric_limits<float>::infinity());
     for (std::size_t c = 4 * e; c < 4 * e + 4; ++c)
-      for (std::size_t k = 0; k < kLanes; ++k) {
+      for (std::size_t k = 0; k < kFacetLanes; ++k) {
         const float height = facets.nx[k] * (ends_[c].x - x[0][k]) + facets.ny[k] * (ends_[c].y - y[0][k]) +
                              facets.nz[k] * (ends_[c].z - z[0][k]);
         lowest[e][k] = std::min(lowest[e][k], height);
         highest[e][k] = std::max(highest[e][k], height);
       }
   }
-  std::array<std::uint32_t, kLanes> outside;
-  for (std::size_t k = 0; k < kLanes; ++k)
+  std::array<std::uint32_t, kFacetLanes> outside;
+  for (std::size_t k = 0; k < kFacetLanes; ++k)
     outside[k] = (std::min(lowest[0][k], lowest[1][k]) >= -slack_m_ ? 1u : 0u) |
                  (std::max(highest[0][k], highest[1][k]) <= slack_m_ ? 1u : 0u);
   for (std::size_t p = 0; p < kPlanes; ++p)
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t k = 0; k < kFacetLanes; ++k) {
       const auto along = [&](std::size_t c) {
         return nx_[p] * x[c][k] + ny_[p] * y[c][k] + nz_[p] * z[c][k];
       };
@@ -166,8 +166,8 @@ std::uint32_t Shaft::may_meet(const FacetLanes& facets, std::uint32_t& entered) 
       outside[k] |= nearest > height_[p] ? 1u : 0u;
     }
   std::uint32_t inside = 0, from_front = 0;
-  for (std::uint32_t k = 0; k < kLanes; ++k) inside |= (1u - outside[k]) << k;
-  for (std::uint32_t k = 0; k < kLanes; ++k)
+  for (std::uint32_t k = 0; k < kFacetLanes; ++k) inside |= (1u - outside[k]) << k;
+  for (std::uint32_t k = 0; k < kFacetLanes; ++k)
     from_front |= ((lowest[0][k] > off_m_ ? 1u : 0u) & (highest[1][k] < -off_m_ ? 1u : 0u)) << k;
   entered = from_front;
   return inside;

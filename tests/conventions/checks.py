@@ -11,6 +11,7 @@ SOURCE_FOLDERS = ("api", "engine", "server", "tests")
 LINES_MAX = 400
 CLANG_FORMAT_MAJOR = 14
 DASHBOARD_COLUMNS_MAX = 200
+PUBLIC_TYPE = re.compile(r"^(?:struct|class|enum class) (\w+)(?: final)?(?: :.*)? \{", re.MULTILINE)
 UNITY_FILE = re.compile(r"/Unity/unity_\d+_\w+\.\w+$")
 OWN_NAME = re.compile(r"(?:template <.*> )?(?!return|using|struct|enum|class|static_assert)[A-Za-z_][\w:<>,\s*&\[\]]*?[\s*&](\w+)\("
                       r"|(?:struct|class|enum class) (\w+)|(?:constexpr|const) .*?(k[A-Z]\w+)")
@@ -131,15 +132,18 @@ def names_of_its_own(text):
 
 def own_names(root, build):
     """The release build compiles the sources of a target together: an unnamed namespace is then one for all of them, and
-    a function might be called in place of another file's. No two sources of a target declare the same name there."""
+    a function might be called in place of another file's. No two sources of a target declare the same name there, and
+    none that of a type in a header of ours."""
+    headers = sources_of(root, ".h")
+    types = {name: path for path in headers for name in PUBLIC_TYPE.findall(path.read_text())}
     problems = []
     for target, sources in sorted(sources_of_targets(build).items()):
         known = {}
         ours = [path for path in sources if path.is_relative_to(root) and path.relative_to(root).parts[0] != "tests"]
         for path in sorted(ours):
             for name in sorted(set(names_of_its_own(path.read_text()))):
-                other = known.setdefault(name, path)
-                if other != path:
+                other = known.setdefault(name, types.get(name, path))
+                if other != path and path.relative_to(root).parts[0] == other.relative_to(root).parts[0]:
                     problems.append(f"{path.relative_to(root)}: {name} is a name of {other.relative_to(root)} too")
     return problems
 

@@ -104,6 +104,9 @@ class OnATree(unittest.TestCase):
         for line in ("double size_of(double x) {", "struct size_of {", "std::vector<int> size_of("):
             self.write("engine/scene/two.cpp", f"namespace {{\n\n{line}\n}}  // namespace\n")
             self.expect_one(checks.own_names(self.root, self.root / "build"), "two.cpp", "one.cpp", "size_of")
+        self.write("engine/scene/box.h", "struct Box {\n};\n")
+        self.write("engine/scene/two.cpp", "namespace {\n\nstruct Box {\n\n}  // namespace\n")
+        self.expect_one(checks.own_names(self.root, self.root / "build"), "two.cpp", "box.h", "Box")
 
     def test_a_test_without_label_or_limit_or_that_nobody_runs(self):
         def listed(name, labels, timeout):

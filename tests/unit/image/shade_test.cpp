@@ -38,7 +38,7 @@ PixelRow pixel_of(const PixelRow& row, std::uint32_t x) {
 }
 
 class ShadedTogether : public testing::TestWithParam<std::size_t> {};
-INSTANTIATE_TEST_SUITE_P(Frames, ShadedTogether, testing::Range<std::size_t>(1, kLanes + 1));
+INSTANTIATE_TEST_SUITE_P(Frames, ShadedTogether, testing::Range<std::size_t>(1, kFrameLanes + 1));
 
 // To the last bit: a frame looks the same whatever frames it is rendered with.
 TEST_P(ShadedTogether, FramesAreWhatEachIsAlone) {
