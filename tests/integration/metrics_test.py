@@ -73,9 +73,14 @@ class Metrics(ServiceTestCase):
     def test_each_request_is_a_line_of_json_in_the_log(self):
         service = self.service()
         service.get("/v1/jobs/none", "-H", "X-Request-Id: my.id-1")
-        lines = [json.loads(line) for line in service.log.read_text().splitlines()]
-        found = [line for line in lines if line.get("request_id") == "my.id-1"]
-        self.assertEqual(len(found), 1, lines)
+
+        def lines_of_it():
+            lines = [json.loads(line) for line in service.log.read_text().splitlines(keepends=True) if line.endswith("\n")]
+            return [line for line in lines if line.get("request_id") == "my.id-1"]
+
+        # The log of a container comes by way of the Engine, later than the answer.
+        found = wait_until(lines_of_it, 10, "the request is in the log")
+        self.assertEqual(len(found), 1, found)
         self.assertEqual((found[0]["route"], found[0]["status"], found[0]["path"]),
                          ("GET /v1/jobs/{id}", 404, "/v1/jobs/none"))
         self.assertGreaterEqual(found[0]["duration_ms"], 0)
