@@ -23,12 +23,12 @@ struct KeptStatement {
 using Kept = std::list<KeptStatement>;
 
 std::mutex mutex;
-std::map<sqlite3*, Kept> kept;
+std::map<sqlite3*, Kept> kept_of;
 std::set<sqlite3*> damaged;
 
 sqlite3_stmt* kept_statement(sqlite3* database, std::string_view sql) {
   const std::lock_guard lock(mutex);
-  Kept& own = kept[database];
+  Kept& own = kept_of[database];
   for (auto at = own.begin(); at != own.end(); ++at)
     if (at->sql == sql) {
       sqlite3_stmt* statement = at->statement;
@@ -56,7 +56,7 @@ void give_back_statement(sqlite3* database, sqlite3_stmt* statement) {
   sqlite3_stmt* oldest = nullptr;
   {
     const std::lock_guard lock(mutex);
-    Kept& own = kept[database];
+    Kept& own = kept_of[database];
     own.push_front({sqlite3_sql(statement), statement});
     if (own.size() > kKeptMax) {
       oldest = own.back().statement;
@@ -82,9 +82,9 @@ void forget_statements(sqlite3* database) {
   {
     const std::lock_guard lock(mutex);
     damaged.erase(database);
-    if (const auto found = kept.find(database); found != kept.end()) {
+    if (const auto found = kept_of.find(database); found != kept_of.end()) {
       own = std::move(found->second);
-      kept.erase(found);
+      kept_of.erase(found);
     }
   }
   for (const KeptStatement& each : own) sqlite3_finalize(each.statement);

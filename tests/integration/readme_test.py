@@ -48,6 +48,8 @@ class Readme(ServiceTestCase):
         radiosity, patches = numpy.load(fetched / "radiosity.npy"), numpy.load(fetched / "patches.npz")
         self.assertEqual(radiosity.shape, (job["frame_count"], len(patches["area_m2"]), 3))
         self.assertEqual(len(json.loads((fetched / "key_frames.json").read_text())["frames"]), job["frame_count"])
+        self.assertEqual(json.loads((fetched / "view.json").read_text())["request"]["frames"], [24])
+        self.assertEqual([each["id"] for each in json.loads((fetched / "jobs.json").read_text())["jobs"]], [job["id"]])
         seen, removal = re.fullmatch(r"See it: (\S+)   Remove it: (.+)", watched[-1]).groups()
         self.assertTrue(seen.endswith("/jobs/" + job["id"]), seen)
         subprocess.run(["bash", "-c", removal], check=True, capture_output=True, timeout=20)
