@@ -11,7 +11,7 @@ from small_jobs import write_job
 from volume_service import VolumeService, VolumeTestCase
 
 # Enough lines that the solve takes seconds, so that what is done falls into it.
-JOB = {"frames": 16, "line_count": 3_000_000, "estimate_line_count": 20_000}
+JOB = {"frames": 16, "line_count": 6_000_000, "estimate_line_count": 20_000}
 STOP_SECONDS_MAX = 10
 EXIT_TAKEN = 75
 

@@ -14,7 +14,7 @@ from service import WORKER, ServiceTestCase, hashes_of, wait_until
 from small_jobs import changed, write_job
 
 # Enough lines that the solve takes seconds, so that the kill falls into it.
-JOB = {"frames": 16, "line_count": 3_000_000, "estimate_line_count": 20_000}
+JOB = {"frames": 16, "line_count": 6_000_000, "estimate_line_count": 20_000}
 
 
 class Killed(ServiceTestCase):

@@ -8,7 +8,7 @@ from service import ServiceTestCase, hashes_of, is_alive, wait_until
 from small_jobs import write_job
 
 # Long enough to be stopped in the middle, short enough to be run three times.
-JOB = dict(frames=24, width=96, height=54, line_count=3_000_000, moving_line_count=3_000_000)
+JOB = dict(frames=24, width=96, height=54, line_count=7_000_000, moving_line_count=7_000_000)
 
 
 class PauseAndRetry(ServiceTestCase):
