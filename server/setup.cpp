@@ -21,6 +21,10 @@ RateRules rate_rules(const Config& config, std::string_view host) {
   return {per_second, 4 * per_second};
 }
 
+WorkerBudget budget_of(const Config& config) {
+  return make_budget(config.worker_threads_total, config.worker_memory_mb);
+}
+
 // Always said: a worker itself sees the machine's cores, not what a container may use of them.
 unsigned threads_per_job(const Config& config, const WorkerBudget& budget) {
   return config.worker_threads > 0 ? config.worker_threads : static_cast<unsigned>(budget.cores);
@@ -38,7 +42,7 @@ JobRules job_rules(const Config& config, const Doorbell& bell) {
   rules.evict = config.evict;
   if (config.ttl_days) rules.ttl_ms = *config.ttl_days * 24 * kHourMs;
   rules.blobs = {config.blob_bytes_max, config.blob_hours * kHourMs};
-  rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
+  rules.budget = budget_of(config);
   check.render_threads = threads_per_job(config, rules.budget);
   auto [check_job, preview_job] = make_checks(check);
   rules.check = std::move(check_job);
@@ -51,7 +55,7 @@ JobRules job_rules(const Config& config, const Doorbell& bell) {
 ViewRules view_rules(const Config& config) {
   ViewRules rules;
   rules.program = config.worker;
-  rules.threads = threads_per_job(config, make_budget(config.worker_threads_total, config.worker_memory_mb));
+  rules.threads = threads_per_job(config, budget_of(config));
   rules.ffmpeg = find_ffmpeg();
   return rules;
 }
@@ -67,7 +71,7 @@ IntegrityRules integrity_rules(const Config& config) {
 WorkerRules worker_rules(const Config& config) {
   WorkerRules rules;
   rules.program = config.worker;
-  rules.budget = make_budget(config.worker_threads_total, config.worker_memory_mb);
+  rules.budget = budget_of(config);
   rules.cores_per_job = threads_per_job(config, rules.budget);
   rules.render_options = {"--threads", std::to_string(rules.cores_per_job)};
   return rules;

@@ -66,8 +66,8 @@ api::Result<FileHandle> lock(const std::filesystem::path& folder) {
 }
 
 bool is_still(const std::filesystem::path& folder, const FileHandle& opened) {
-  struct stat at_name {
-  }, held{};
+  struct stat at_name {};
+  struct stat held {};
   return ::stat(folder.c_str(), &at_name) == 0 && ::fstat(opened.get(), &held) == 0 &&
          at_name.st_dev == held.st_dev && at_name.st_ino == held.st_ino;
 }

@@ -16,7 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kSumFileBytesMax = 64;
 constexpr std::int64_t kJobIdBytesMax = 64;
 /// A server that is killed looks again at what it had looked at in so much time at most.
 constexpr std::chrono::seconds kKeepEvery{10};
@@ -159,7 +158,7 @@ void ViewService::drop_view(const Job& job, const std::string& name, const std::
 api::Status ViewService::check_video(const Job& job, const std::string& file,
                                      const std::atomic<bool>& stopping) {
   const fs::path path = videos_of(job) / file;
-  const auto sum = read_below(videos_of(job), sum_of(path).filename().string(), kSumFileBytesMax);
+  const auto sum = read_below(videos_of(job), sum_of(path).filename().string(), kSumBytes);
   if (!sum) return api::Done{};  // it is not finished
   const auto video = open_below(videos_of(job), file);
   const auto found = video ? sha256_of(*video, stopping) : api::Result<std::string>(video.error());

@@ -119,8 +119,8 @@ void Supervisor::look_at_all() {
   }
   running_.erase(first_ended, running_.end());
   explain_kills(ended);
-  memory_kills_
-      .look();  // after that: however long the attempts were looked at, a kill is not too old for them
+  // After that: however long the attempts were looked at, a kill is not too old for them.
+  memory_kills_.look();
   for (EndedAttempt& each : ended)
     recorder_.add({each.attempt->claim().job.id, each.attempt->claim().lease, std::move(each.outcome)});
   if (!ended.empty()) jobs_.set_use(use());

@@ -15,12 +15,12 @@
 #include "api/fault_point.h"
 #include "server/artefacts/verify.h"
 #include "server/workers/run_child.h"
+#include "server/workers/view_files.h"
 #include "server/workers/view_service.h"
 
 namespace server {
 namespace {
 
-constexpr std::size_t kSumBytes = 64;
 constexpr std::int64_t kRoomBytes = 1 << 20;  // with less than that any write may have failed
 
 api::Error failure_of(const ChildOutcome& outcome, const std::filesystem::path& folder) {

@@ -9,6 +9,7 @@
 namespace server {
 
 inline constexpr std::size_t kViewNameBytes = 32;
+inline constexpr std::size_t kSumBytes = 64;  ///< of the file beside a video: SHA-256, hexadecimal
 inline constexpr std::string_view kUnfinished = ".tmp.";  ///< how the names begin of what is not whole
 
 bool is_view_name(std::string_view name);
